@@ -11,54 +11,15 @@
 namespace simuli::ros2 {
 namespace {
 
-struct Encoding {
-  const char* name;
-  std::size_t bytes;     // of a pixel
-  std::size_t place[3];  // of red, green and blue
-};
-constexpr Encoding kEncodings[] = {{"rgb8", 3, {0, 1, 2}},
-                                   {"bgr8", 3, {2, 1, 0}},
-                                   {"rgba8", 4, {0, 1, 2}},
-                                   {"bgra8", 4, {2, 1, 0}},
-                                   {"mono8", 1, {0, 0, 0}}};
-
 void need_size(const Image& image, const Camera& camera, const std::string& file, const std::string& where) {
   if (image.width == camera.width && image.height == camera.height) return;
   throw_input_error(file,
                     where + ": width x height",
                     fmt::format("{} x {}", image.width, image.height),
-                    fmt::format("{} x {} of its CameraInfo", camera.width, camera.height));
+                    fmt::format("{} x {} of its CameraInfo or --camera", camera.width, camera.height));
 }
 
 }  // namespace
-
-Image picture_of(const ImageMessage& message, const std::string& file, const std::string& where) {
-  const auto* encoding = std::find_if(std::begin(kEncodings), std::end(kEncodings), [&](const Encoding& e) {
-    return message.encoding == e.name;
-  });
-  if (encoding == std::end(kEncodings))
-    throw_input_error(
-        file, where + ": encoding", '"' + message.encoding + '"', "rgb8, bgr8, rgba8, bgra8, mono8");
-  const auto side = static_cast<std::uint32_t>(kLargestSide_px);
-  if (message.width == 0 || message.height == 0 || message.width > side || message.height > side ||
-      message.step < message.width * encoding->bytes) {
-    throw_input_error(file,
-                      where + ": width x height, step",
-                      fmt::format("{} x {}, {}", message.width, message.height, message.step),
-                      fmt::format("1 to {} a side, rows of whole pixels", kLargestSide_px));
-  }
-  Image image(static_cast<int>(message.width), static_cast<int>(message.height), 3);
-  float* to = image.data.data();
-  constexpr float kMost = 255.0F;
-  for (std::size_t y = 0; y < message.height; ++y) {
-    for (std::size_t x = 0; x < message.width; ++x) {
-      const char* pixel = message.data.data() + y * message.step + x * encoding->bytes;
-      for (const std::size_t place : encoding->place)
-        *to++ = static_cast<float>(static_cast<unsigned char>(pixel[place])) / kMost;
-    }
-  }
-  return image;
-}
 
 FrameWriter::FrameWriter(const Bag& bag,
                          const std::string& file,
@@ -142,13 +103,16 @@ void FrameWriter::add_picture(const BagChannel& channel,
     return;
   }
   const CompressedImageMessage message = read_compressed_image(reader_of(channel, data, file_));
-  const bool is_png = message.data.starts_with("\x89PNG"), is_jpeg = message.data.starts_with("\xff\xd8\xff");
-  if (!is_png && !is_jpeg)
+  const char* const ending = message.data.starts_with("\x89PNG")        ? ".png"
+                             : message.data.starts_with("\xff\xd8\xff") ? ".jpg"
+                             : message.data.starts_with("RIFF")         ? ".webp"
+                                                                        : nullptr;
+  if (ending == nullptr)
     throw_input_error(file_,
                       channel.topic + ": data",
-                      fmt::format("neither, called \"{}\"", message.format),
-                      "JPEG or PNG");
-  const std::filesystem::path path = add(message.header.stamp_ns, is_png ? ".png" : ".jpg");
+                      fmt::format("none of these, called \"{}\"", message.format),
+                      "JPEG, PNG or WebP");
+  const std::filesystem::path path = add(message.header.stamp_ns, ending);
   if (path.empty()) return;
   write_file_atomically(path, std::string(message.data));
   const Image image = with_context(fmt::format("reading a picture of {} in {}", channel.topic, file_),

@@ -57,7 +57,8 @@ class FrameWriter {
   Ros2Report& report_;
 };
 
-/// Error{kInput} naming `file` and `where` for another encoding than rgb8, bgr8, rgba8, bgra8 and mono8.
+/// Error{kInput} naming `file` and `where` for another encoding than the line lists then: colours of 8 and 16
+/// bits, Bayer's mosaics (each pixel lacks two colours: means of those beside it), YUV (BT.601).
 [[nodiscard]] Image picture_of(const ImageMessage& message,
                                const std::string& file,
                                const std::string& where);

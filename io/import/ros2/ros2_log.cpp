@@ -47,7 +47,62 @@ class Importer {
         bag_(open_bag(options.recording)),
         scan_(scan_bag(*bag_, options)) {}
 
+  std::vector<std::string> survey() {
+    std::vector<std::string> lines;
+    const auto tell = [&](const char* kind, const std::string& topic, const SensorTopic& t) {
+      const auto [first, last] = std::minmax_element(t.stamps_ns.begin(), t.stamps_ns.end());
+      const double apart = apart_s(t);
+      lines.push_back(fmt::format("{} {}: {} messages{}, {:.3f} to {:.3f} s, frame {}",
+                                  kind,
+                                  topic,
+                                  t.stamps_ns.size(),
+                                  apart > 0.0 ? fmt::format(", {:.4g} Hz", 1.0 / apart) : "",
+                                  static_cast<double>(*first) * kNanosecond_s,
+                                  static_cast<double>(*last) * kNanosecond_s,
+                                  t.frame_id));
+    };
+    for (const auto& [topic, cloud] : scan_.clouds) tell("clouds", topic, cloud);
+    for (const auto& [topic, picture] : scan_.pictures) tell("pictures", topic, picture);
+    for (const auto& [topic, poses] : scan_.odometry)
+      lines.push_back(fmt::format("odometry {}: {} messages", topic, poses.size()));
+    lines.push_back("frames: " + scan_.transforms.frames());
+    try {
+      choose();
+      std::size_t all = 0, posed = 0;
+      const auto count = [&](const SensorTopic& topic) {
+        all += topic.stamps_ns.size();
+        posed += static_cast<std::size_t>(
+            std::count_if(topic.stamps_ns.begin(), topic.stamps_ns.end(), [&](std::int64_t ns) {
+              return ns >= span_.first && ns <= span_.second;
+            }));
+      };
+      for (const auto& [topic, unused] : lidars_) count(scan_.clouds.at(topic));
+      for (const auto& [topic, unused] : cameras_) count(scan_.pictures.at(topic));
+      note(fmt::format("{} of {} clouds and pictures begin on the path", posed, all));
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::kUsage) throw;
+      note(fmt::format("refused: {}", error.what()));
+    }
+    lines.insert(lines.end(), report_.notes.begin(), report_.notes.end());
+    return lines;
+  }
+
   Log run(const std::function<void(std::size_t, std::size_t)>& progress) {
+    choose();
+    return make_import(options_.output, log_, [&] {
+      FrameWriter writer(*bag_, file_, log_, log_.folder, span_, report_);
+      for (const auto& [topic, unused] : lidars_) writer.total += scan_.clouds.at(topic).stamps_ns.size();
+      for (const auto& [topic, unused] : cameras_) writer.total += scan_.pictures.at(topic).stamps_ns.size();
+      writer.write(lidars_, cameras_, field_options(options_), progress);
+      if (log_.images.empty() && log_.sweeps.empty()) need_common_clock();
+      need_placed(report_.points, file_);
+      sort_by_time(log_);
+    });
+  }
+
+ private:
+  /// All that is said before a frame is read.
+  void choose() {
     for (const auto& [option, topics] :
          {std::pair("--topics", options_.topics), std::pair("--ignore", options_.ignore)}) {
       for (const std::string& topic : topics) {
@@ -64,25 +119,15 @@ class Importer {
     choose_lidars();
     choose_cameras();
     if (lidars_.empty() && cameras_.empty())
-      throw_input_error(
+      throw_nothing_left(
           file_, "sensors", "no clouds and no pictures with a CameraInfo", "at least one sensor");
     find_path();
-    return make_log(options_.output, log_, [&] {
-      FrameWriter writer(*bag_, file_, log_, log_.folder, span_, report_);
-      for (const auto& [topic, unused] : lidars_) writer.total += scan_.clouds.at(topic).stamps_ns.size();
-      for (const auto& [topic, unused] : cameras_) writer.total += scan_.pictures.at(topic).stamps_ns.size();
-      writer.write(lidars_, cameras_, field_options(options_), progress);
-      if (log_.images.empty() && log_.sweeps.empty()) need_common_clock();
-      need_placed(report_.points, file_);
-      sort_by_time(log_);
-    });
   }
 
- private:
   /// Nothing lies on the path: why.
   [[noreturn]] void need_common_clock() const {
     const auto [first_s, last_s] = frames_s_;
-    throw_input_error(
+    throw_nothing_left(
         file_,
         "stamps of clouds and pictures",
         fmt::format("{:.3f} to {:.3f} s, none on the path", first_s, last_s),
@@ -214,21 +259,29 @@ class Importer {
       if (scan_.pictures.count(topic) == 0)
         refuse_option("--cameras", topic, "a topic of pictures: " + names(scan_.pictures));
     }
+    for (const auto& [topic, unused] : options_.lenses) {
+      if (scan_.pictures.count(topic) == 0)
+        refuse_option("--camera", topic, "a topic of pictures: " + names(scan_.pictures));
+    }
     std::map<std::string, std::string> taken;  // by what they are a picture of
     for (const auto& [topic, pictures] : scan_.pictures) {
-      const bool is_asked =
-          std::find(options_.cameras.begin(), options_.cameras.end(), topic) != options_.cameras.end();
+      const auto lens = options_.lenses.find(topic);
+      const bool has_lens = lens != options_.lenses.end();
+      const bool is_asked = has_lens || std::find(options_.cameras.begin(), options_.cameras.end(), topic) !=
+                                            options_.cameras.end();
       if (!options_.cameras.empty() && !is_asked) continue;
       const auto info = scan_.infos.find(folder_of(topic) + "/camera_info");
-      if (info == scan_.infos.end()) {
+      if (info == scan_.infos.end() && !has_lens) {
         const std::string lacks = "no " + folder_of(topic) + "/camera_info";
-        if (is_asked) throw_input_error(file_, topic, lacks, "a CameraInfo beside it");
+        if (is_asked)
+          throw_input_error(file_, topic, lacks, "a CameraInfo beside it, or --camera TOPIC=FILE");
         note("left out: " + topic + ", " + lacks);
         continue;
       }
-      if (scan_.changing.count(info->first) != 0) {
+      if (!has_lens && scan_.changing.count(info->first) != 0) {
         const std::string found = "a calibration that changes";
-        if (is_asked) throw_input_error(file_, info->first, found, "one for the whole drive");
+        if (is_asked)
+          throw_input_error(file_, info->first, found, "one for the whole drive, or --camera TOPIC=FILE");
         note("left out: " + topic + ", " + info->first + " has " + found);
         continue;
       }
@@ -239,11 +292,18 @@ class Importer {
         note("left out: " + topic + ", of the same camera as " + same->second);
         continue;
       }
-      CameraInfoMessage lens = info->second;
-      if (topic.find("/image_rect", folder_of(topic).size()) != std::string::npos) rectify(lens, topic);
-      Camera camera = camera_of(lens, name_of_topic(topic), file_, info->first);
-      const auto shutter = options_.shutters.find(topic);
       RecordedCamera recorded;
+      Camera camera;
+      if (has_lens) {
+        camera = lens->second.model;
+        camera.name = name_of_topic(topic);
+        recorded.readout_s = lens->second.readout_s;
+      } else {
+        CameraInfoMessage message = info->second;
+        if (topic.find("/image_rect", folder_of(topic).size()) != std::string::npos) rectify(message, topic);
+        camera = camera_of(message, name_of_topic(topic), file_, info->first);
+      }
+      const auto shutter = options_.shutters.find(topic);
       if (shutter != options_.shutters.end()) {
         camera.shutter = shutter->second.kind;
         recorded.readout_s = shutter->second.readout_s;
@@ -345,6 +405,11 @@ class Importer {
 };
 
 }  // namespace
+
+std::vector<std::string> survey_ros2(const Ros2Options& options) {
+  Ros2Report report;
+  return Importer(options, report).survey();
+}
 
 Log import_ros2(const Ros2Options& options,
                 const std::function<void(std::size_t, std::size_t)>& progress,

@@ -18,6 +18,7 @@
 #include "host/core/sensors/lidar_library.hpp"
 #include "io/import/points/point_grid.hpp"
 #include "io/log/log.hpp"
+#include "io/log/sensor_file.hpp"
 
 namespace simuli {
 
@@ -47,7 +48,8 @@ struct Ros2Options {
   std::string odometry;                         // topic; empty: transforms, or else the only one
   bool without_poses = false;                   // a rig at rest; simuli align finds the path
   std::map<std::string, Mounting> mounts;       // by topic, before what transforms say
-  std::map<std::string, Ros2Shutter> shutters;  // by topic; others are global
+  std::map<std::string, Ros2Shutter> shutters;  // by topic; others are global, or as in `lenses`
+  std::map<std::string, CameraFile> lenses;     // by topic, instead of a CameraInfo
   std::string stamp;                            // "start" or "end" of a sweep, before what points' times say
   std::string point_time;                       // as CloudFieldOptions::time
   std::string intensity;                        // as CloudFieldOptions::intensity
@@ -66,5 +68,10 @@ struct Ros2Report {
 Log import_ros2(const Ros2Options& options,
                 const std::function<void(std::size_t, std::size_t)>& progress,
                 Ros2Report& report);
+
+/// A line for each topic of sensors and poses (messages, rate, first and last stamp, frame), one for the frames of
+/// transforms, then what import_ros2() would take for what, and what it would leave out or refuse, and why. Writes
+/// nothing and reads no pictures; Error{kInput} for a recording that can't be read, Error{kUsage} as import_ros2().
+[[nodiscard]] std::vector<std::string> survey_ros2(const Ros2Options& options);
 
 }  // namespace simuli

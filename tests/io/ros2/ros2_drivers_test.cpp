@@ -258,6 +258,21 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
        {"3 transforms", "tag has several parents", "/radar, no --lidar", "/ptz/image_raw, /ptz"})
     EXPECT_NE(told.find(word), std::string::npos) << word << " is missing in: " << told;
 
+  // The survey tells the same, and what there is, and writes nothing.
+  options.output.clear();
+  const std::string survey = fmt::format("{}", fmt::join(survey_ros2(options), "\n"));
+  for (const char* word : {"clouds /points: 3 messages, 10 Hz, 1700000000.223 to 1700000000.423 s",
+                           "pictures /ptz/image_raw: 1 messages",
+                           "odometry /odom: ",
+                           "frames: ",
+                           "LiDAR points: /points, 10 Hz",
+                           "left out: /radar, no --lidar",
+                           "3 of 3 clouds and pictures begin on the path"})
+    EXPECT_NE(survey.find(word), std::string::npos) << word << " is missing in: " << survey;
+  options.lidars.clear();
+  EXPECT_NE(fmt::format("{}", fmt::join(survey_ros2(options), "\n")).find("refused: "), std::string::npos);
+  options.lidars = {{"/points", lidar_of(log)}};
+
   // The same by what is read: the lost wheels are then no odometry to choose from.
   options.odometry = {};
   options.ignore = {"/wheels", "/radar", "/ptz/image_raw"};
@@ -334,7 +349,9 @@ TEST(Ros2Log, NothingOnThePathIsAnError) {
   Ros2Options options = options_for(log, scratch / "a.mcap", scratch / "a.log");
   options.lidars[0].topic = "/points";
   Ros2Report report;
-  expect_input_error([&] { (void)imported(options, report); }, {"stamps", "none on the path", "one clock"});
+  expect_error(ErrorKind::kNothing,
+               [&] { (void)imported(options, report); },
+               {"stamps", "none on the path", "one clock"});
   EXPECT_FALSE(fs::exists(scratch / "a.log"));
 }
 

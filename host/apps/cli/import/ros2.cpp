@@ -21,7 +21,8 @@ namespace {
 
 struct Ros2Command {
   Ros2Options options;
-  std::vector<std::string> lidars, mounts, shutters;
+  std::vector<std::string> lidars, mounts, shutters, lenses;
+  bool is_survey = false;
 };
 
 Ros2Lidar lidar_of(const std::string& text) {
@@ -59,7 +60,16 @@ void import_recording(const Ros2Command& command, const Globals& globals) {
     const auto [topic, mount] = parted("--mount", text, ':');
     options.mounts[topic] = parse_mounting("--mount", mount);
   }
+  for (const std::string& text : command.lenses) {
+    const auto [topic, file] = parted("--camera", text, '=');
+    options.lenses[topic] = read_camera_file(file);
+  }
   for (const std::string& text : command.shutters) options.shutters.insert(shutter_of(text));
+  if (command.is_survey) {
+    for (const std::string& line : survey_ros2(options)) std::cout << on_one_line(line) << '\n';
+    return;
+  }
+  if (options.output.empty()) refuse("--output", "", "a folder to write, or --survey");
   run_import<Ros2Report>(
       "mcap",
       globals,
@@ -108,7 +118,10 @@ void add_import_ros2(Command import, const Globals& globals) {
   Ros2Options& options = command->options;
   Command sub = import.command("mcap", "a recording of ROS 2: clouds, pictures, transforms");
   sub.option("FILE", options.recording, ".mcap or .db3, or a folder of such").required();
-  sub.option("-o,--output", options.output, "log folder to write").required();
+  sub.option("-o,--output", options.output, "log folder to write; required but for --survey");
+  sub.flag("--survey",
+           command->is_survey,
+           "print what is in the recording and what an import would take; write nothing");
   sub.option("--lidar",
              command->lidars,
              "TOPIC=SENSOR[:FRAME], a topic of PointCloud2, whose beams it has, built-in (velodyne_vlp16, at "
@@ -123,6 +136,12 @@ void add_import_ros2(Command import, const Globals& globals) {
          [command](const std::string& topics) { command->options.cameras = split(topics, ','); },
          "topics of Image or CompressedImage, parted by commas; default: all with a camera_info beside them")
       .shown_as("TOPIC,...", "");
+  sub.option("--camera",
+             command->lenses,
+             "TOPIC=FILE, a camera file (simuli info NAME --json, simuli fit lens) instead of a CameraInfo, "
+             "whose name "
+             "and numbers the topic lacks or has wrong")
+      .one_at_a_time();
   sub.option(
          "--topics",
          [command](const std::string& topics) { command->options.topics = split(topics, ','); },

@@ -1,0 +1,185 @@
+// Pictures of ROS 2 in the encodings that cameras have, and cameras whose lens a file tells.
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <string>
+
+#include "io/bag/mcap_writer.hpp"
+#include "io/import/ros2/ros2_frames.hpp"
+#include "io/ros2/messages.hpp"
+#include "tests/io/ros2/ros2_street.hpp"
+
+namespace simuli {
+namespace ros2_pictures_test {
+
+using namespace test;  // NOLINT(google-build-using-namespace)
+
+ros2::ImageMessage message_of(
+    const char* encoding, int width, int height, int step, const std::string& data) {
+  ros2::ImageMessage message;
+  message.header = {kStart_ns, "camera"};
+  message.encoding = encoding;
+  message.width = static_cast<std::uint32_t>(width);
+  message.height = static_cast<std::uint32_t>(height);
+  message.step = static_cast<std::uint32_t>(step);
+  message.data = data;
+  return message;
+}
+
+/// `bytes` again and again.
+std::string repeated(std::initializer_list<int> bytes, std::size_t count) {
+  std::string out;
+  while (out.size() < count) {
+    for (const int b : bytes) out += static_cast<char>(b);
+  }
+  return out;
+}
+
+TEST(Ros2Pictures, EncodingsBecomeColours) {
+  // One colour all over, 4 x 4 pixels: red 200, green 100, blue 50, or grey 100.
+  constexpr int kR = 200, kG = 100, kB = 50;
+  const auto rows = [](std::initializer_list<int> even, std::initializer_list<int> odd) {
+    std::string out;
+    for (int y = 0; y < 4; ++y) out += repeated(y % 2 == 0 ? even : odd, 4);
+    return out;
+  };
+  // Of that colour by BT.601: luma 123, U 91, V 175.
+  constexpr int kY = 123, kU = 91, kV = 175;
+  struct Case {
+    const char* encoding;
+    int step;
+    std::string data;
+    bool is_grey = false, is_bigendian = false;
+    double tolerance = 1e-6;
+  };
+  const std::string luma = repeated({kY}, 16);
+  for (const Case& c : {
+           Case{"rgb8", 12, repeated({kR, kG, kB}, 48)},
+           Case{"bgra8", 16, repeated({kB, kG, kR, 7}, 64)},
+           Case{"8UC3", 12, repeated({kB, kG, kR}, 48)},
+           Case{"8UC4", 16, repeated({kB, kG, kR, 7}, 64)},
+           Case{"8UC1", 4, repeated({kG}, 16), true},
+           Case{"mono8", 4, repeated({kG}, 16), true},
+           Case{"mono16", 8, repeated({kG, kG}, 32), true},
+           Case{"mono16", 8, repeated({0, kG}, 32), true, false, 4e-3},
+           Case{"mono16", 8, repeated({kG, 0}, 32), true, true, 4e-3},
+           Case{"rgb16", 24, repeated({kR, kR, kG, kG, kB, kB}, 96)},
+           Case{"bgr16", 24, repeated({kB, kB, kG, kG, kR, kR}, 96)},
+           Case{"bgra16", 32, repeated({kB, kB, kG, kG, kR, kR, 1, 1}, 128)},
+           Case{"bayer_rggb8", 4, rows({kR, kG}, {kG, kB})},
+           Case{"bayer_bggr8", 4, rows({kB, kG}, {kG, kR})},
+           Case{"bayer_gbrg8", 4, rows({kG, kB}, {kR, kG})},
+           Case{"bayer_grbg8", 4, rows({kG, kR}, {kB, kG})},
+           Case{"yuv422", 8, repeated({kU, kY, kV, kY}, 32), false, false, 0.01},
+           Case{"uyvy", 8, repeated({kU, kY, kV, kY}, 32), false, false, 0.01},
+           Case{"yuv422_yuy2", 8, repeated({kY, kU, kY, kV}, 32), false, false, 0.01},
+           Case{"yuyv", 8, repeated({kY, kU, kY, kV}, 32), false, false, 0.01},
+           Case{"nv12", 4, luma + repeated({kU, kV}, 8), false, false, 0.01},
+           Case{"nv21", 4, luma + repeated({kV, kU}, 8), false, false, 0.01},
+       }) {
+    SCOPED_TRACE(c.encoding);
+    ros2::ImageMessage message = message_of(c.encoding, 4, 4, c.step, c.data);
+    message.is_bigendian = c.is_bigendian;
+    const Image image = ros2::picture_of(message, "a.mcap", "/front/image_raw");
+    ASSERT_EQ(image.data.size(), 48U);
+    for (std::size_t i = 0; i < image.data.size(); ++i) {
+      const double want = (c.is_grey ? kG : std::array{kR, kG, kB}[i % 3]) / 255.0;
+      ASSERT_NEAR(static_cast<double>(image.data[i]), want, c.tolerance) << i;
+    }
+    // What a row or the picture lacks is refused, not read.
+    message.data = message.data.substr(0, message.data.size() - 1);
+    expect_input_error([&] { (void)ros2::picture_of(message, "a.mcap", "/front/image_raw"); },
+                       {"data", "bytes"});
+    message.step -= 1;
+    expect_input_error([&] { (void)ros2::picture_of(message, "a.mcap", "/front/image_raw"); }, {"step"});
+  }
+}
+
+TEST(Ros2Pictures, AMosaicTakesWhatStandsBeside) {
+  // Rows of R G R G over G B G B.
+  const std::string data("\x0a\x14\x1e\x28\x32\x3c\x46\x50\x5a\x64\x6e\x78\x82\x8c\x96\xa0", 16);
+  const Image image = ros2::picture_of(message_of("bayer_rggb8", 4, 4, 4, data), "a.mcap", "/front");
+  const auto at = [&](int x, int y, int c) {
+    return 255.0 * static_cast<double>(image.data[static_cast<std::size_t>((y * 4 + x) * 3 + c)]);
+  };
+  EXPECT_NEAR(at(2, 2, 0), 110.0, 1e-3);                               // its own
+  EXPECT_NEAR(at(2, 2, 1), (70.0 + 100.0 + 120.0 + 150.0) / 4, 1e-3);  // above, left, right, below
+  EXPECT_NEAR(at(2, 2, 2), (60.0 + 80.0 + 140.0 + 160.0) / 4, 1e-3);   // at its corners
+  EXPECT_NEAR(at(2, 1, 0), (30.0 + 110.0) / 2, 1e-3);
+  EXPECT_NEAR(at(2, 1, 2), (60.0 + 80.0) / 2, 1e-3);
+  EXPECT_NEAR(at(0, 0, 1), (20.0 + 50.0) / 2, 1e-3);  // at the edge those that there are
+}
+
+TEST(Ros2Pictures, OthersAreRefused) {
+  const std::string data(256, 'x');
+  const auto refused = [&](const char* encoding, int width, int height, std::vector<std::string> words) {
+    words.emplace_back("a.mcap: /front");
+    expect_input_error(
+        [&] { (void)ros2::picture_of(message_of(encoding, width, height, 16, data), "a.mcap", "/front"); },
+        words);
+  };
+  refused("32FC1", 4, 4, {"encoding", "32FC1", "rgb8", "bayer_rggb8", "nv12"});
+  refused("16UC1", 4, 4, {"encoding"});  // mostly depth
+  refused("yuyv", 3, 4, {"3 x 4", "even"});
+  refused("nv12", 4, 3, {"4 x 3", "even"});
+  refused("rgb8", 0, 4, {"width x height"});
+}
+
+TEST(Ros2Pictures, AFileTellsALens) {
+  const Scratch scratch;
+  const std::string pixels(48, 'x');
+  McapWriter mcap(scratch / "a.mcap", "ros2", McapWriter::Compression::kNone);
+  for (const char* topic : {"/left/image_raw", "/right/image_raw"}) {
+    const auto channel = mcap.add_channel({topic, ros2::kImage, "", "", "cdr"});
+    mcap.add_message(channel, kStart_ns, ros2::to_cdr(message_of("mono8", 8, 6, 8, pixels)));
+  }
+  // A CameraInfo that nobody can use: it is not looked at.
+  ros2::CameraInfoMessage info;
+  info.header = {kStart_ns, "camera"};
+  info.distortion_model = "unheard_of";
+  mcap.add_message(mcap.add_channel({"/left/camera_info", ros2::kCameraInfo, "", "", "cdr"}),
+                   kStart_ns,
+                   ros2::to_cdr(info));
+  mcap.finish();
+  Ros2Options options;
+  options.recording = scratch / "a.mcap";
+  options.output = scratch / "a.log";
+  options.without_poses = true;
+  options.mounts["/left/image_raw"] = {};
+  CameraFile file;
+  file.model.name = "calibrated";
+  file.model.width = 8;
+  file.model.height = 6;
+  file.model.fx = file.model.fy = 7.0;
+  file.model.cx = 4.0;
+  file.model.cy = 3.0;
+  file.model.shutter = ShutterKind::kTopToBottom;
+  file.readout_s = 0.02;
+  options.lenses["/left/image_raw"] = file;
+  Ros2Report report;
+  const Log log = imported(options, report);
+  ASSERT_EQ(log.cameras.size(), 1U);
+  EXPECT_EQ(log.cameras[0].model.name, "left");
+  EXPECT_EQ(log.cameras[0].model.fx, 7.0);
+  EXPECT_EQ(log.cameras[0].model.shutter, ShutterKind::kTopToBottom);
+  EXPECT_NEAR(log.images.at(0).time_end_s - log.images.at(0).time_start_s, 0.02, 1e-9);
+
+  options.output = scratch / "b.log";
+  options.lenses["/left/image_raw"].model.width = 9;
+  expect_input_error([&] { (void)imported(options, report); },
+                     {"/left/image_raw", "8 x 6", "9 x 6", "--camera"});
+  options.lenses = {{"/rear/image_raw", file}};
+  expect_error(
+      ErrorKind::kUsage, [&] { (void)imported(options, report); }, {"--camera", "/rear", "/left/image_raw"});
+  options.lenses.clear();
+  options.ignore = {"/left/camera_info"};
+  expect_error(ErrorKind::kNothing,
+               [&] { (void)imported(options, report); },
+               {"a.mcap", "sensors", "no clouds and no pictures"});
+  EXPECT_FALSE(std::filesystem::exists(options.output));
+}
+
+}  // namespace ros2_pictures_test
+}  // namespace simuli
