@@ -111,6 +111,12 @@ def check(name, clouds, poses, *options, mount=np.eye(4), turns=TURNS):
     return run.stdout, log, second - first
 
 
+# Points' times tell how long a turn takes, also of a part of it.
+for seconds, part in ((0.05, 1.0), (0.1, 0.3), (0.2, 1.0)):
+    share = np.arange(0.0, part, 1e-3)
+    found, agreement = pf.turn_s(np.angle(np.exp(1j * (0.7 - 2 * np.pi * share))), share * seconds)
+    assert abs(found - seconds) < 1e-3 * seconds and agreement > 0.999, (seconds, found, agreement)
+
 times, poses = path()
 tum, kitti = work / "poses.txt", work / "kitti.txt"
 tum.write_text("# time x y z qx qy qz qw\n" + "".join(
