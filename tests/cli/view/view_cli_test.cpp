@@ -284,6 +284,10 @@ TEST_F(ViewCli, ALogIsShownBeforeItIsTrainedOn) {
   EXPECT_GT(found.at("distance_m"), 0.5);
   json several = view_of("top");
   several["quality"] = "";
+  for (const json& span : log.at("frames").at("top")) {  // where one sweep ends the next begins
+    several["time_s"] = span.at(0);
+    EXPECT_EQ(post("/api/sweep", several).info.at("time_s"), span.at(0));
+  }
   const std::size_t one = post("/api/sweep", several).payload.size();
   several["sweeps"] = 3;
   const Reply sweeps = post("/api/sweep", several);

@@ -29,7 +29,7 @@ void need_recorded(const ViewRequest& request) {
                     "what was recorded; all else of a trained scene");
 }
 
-/// The frame of that sensor whose middle is nearest in time; of equally near ones the earlier.
+/// The frame of that sensor that was under way at that time, or nearest to it; of several the last.
 template <class Frame>
 const Frame* nearest(const std::vector<Frame>& frames,
                      const std::string Frame::*sensor,
@@ -37,10 +37,10 @@ const Frame* nearest(const std::vector<Frame>& frames,
                      double time_s) {
   const Frame* best = nullptr;
   const auto apart_s = [&](const Frame& f) {
-    return std::abs(time_s - 0.5 * (f.time_start_s + f.time_end_s));
+    return std::max({f.time_start_s - time_s, time_s - f.time_end_s, 0.0});
   };
   for (const Frame& frame : frames) {
-    if (frame.*sensor == name && (best == nullptr || apart_s(frame) < apart_s(*best))) best = &frame;
+    if (frame.*sensor == name && (best == nullptr || apart_s(frame) <= apart_s(*best))) best = &frame;
   }
   return best;
 }

@@ -25,25 +25,29 @@ function photoRequest() {
 
 // --- pictures while something moves: smaller ones, so that they come at once -----------------------------
 
-const kSharpAfter = 250, kAnswer = 80;  // ms
+const kSharpAfter = 250, kAnswer = 50;  // ms; what moves during one picture waits for the next
 const kSizes = [1, 0.75, 0.5, 0.375, 0.25];
 class Haste {
-  constructor() { Object.assign(this, {until: 0, per_pixel: 0, timer: 0}); }
+  constructor() { Object.assign(this, {until: 0, at: 2, hasty: false, timer: 0}); }
   // Something moves now; when it has come to rest `sharpen` is called.
   move(sharpen) {
     this.until = performance.now() + kSharpAfter;
     clearTimeout(this.timer);
     this.timer = setTimeout(sharpen, kSharpAfter + 10);
   }
-  // The body, smaller where the whole picture would not come in time.
+  // The body, while something moves of a picture that comes in time.
   body(body) {
-    if (performance.now() > this.until) return body;
-    const pixels = body.width * (body.height || body.width * 0.6);
-    const size = kSizes.find(s => s * s * pixels * this.per_pixel < kAnswer) ?? kSizes.at(-1);
-    const small = side => Math.max(64, Math.round(side * size));
+    this.hasty = performance.now() < this.until;
+    if (!this.hasty) return body;
+    const small = side => Math.max(64, Math.round(side * kSizes[this.at]));
     return {...body, width: small(body.width), ...(body.height && {height: small(body.height)})};
   }
-  took(ms, pixels) { this.per_pixel = this.per_pixel ? 0.7 * this.per_pixel + 0.3 * ms / pixels : ms / pixels; }
+  // The next one is smaller after one that was late, larger where that is likely to come in time, too.
+  took(ms) {
+    if (!this.hasty) return;
+    if (ms > kAnswer) this.at = Math.min(this.at + 1, kSizes.length - 1);
+    else if (1.6 * ms < kAnswer) this.at = Math.max(this.at - 1, 0);
+  }
 }
 const haste = {camera: new Haste(), photo: new Haste()};
 
@@ -52,7 +56,7 @@ async function loadPicture(name, body) {
   const [info, buffer, at] = await parts(await call('api/picture', body));
   const start = at + 4 * (kPointValues + 2) * (info.points || 0);
   const bitmap = await createImageBitmap(new Blob([new Uint8Array(buffer, start)], {type: 'image/jpeg'}));
-  haste[name].took(performance.now() - begin, bitmap.width * bitmap.height);
+  haste[name].took(performance.now() - begin);
   return {body, info, bitmap, over: new Float32Array(buffer, at, (start - at) / 4), ms: performance.now() - begin};
 }
 function drawBitmap(canvas, bitmap) {
@@ -66,7 +70,7 @@ const rate = pane => pane.rate > 1 && pane.rate < 200 ? `, ${pane.rate.toFixed(1
 
 const camera = new Pane('camera', $('picture'), () => [state.camera, state.quality, state.layer].join(), async () => {
   return state.camera ? loadPicture('camera', haste.camera.body(pictureRequest())) : null;
-}, ({body, info, bitmap, over}) => {
+}, ({body, info, bitmap, over, ms}) => {
   drawBitmap($('picture'), bitmap);
   boxesInPicture = info.boxes;
   seen = {points: over, from: info.scene_from_camera?.t ?? [0, 0, 0]};
@@ -80,7 +84,7 @@ const camera = new Pane('camera', $('picture'), () => [state.camera, state.quali
     support: ` (mean ${(100 * info.support).toFixed(0)} %)`}[body.layer] || '';
   const how = scene.kind === 'log' ? `recorded at ${info.time_s.toFixed(3)} s` : `${body.quality}, ${body.layer}${more}`;
   $('camera-time').textContent =
-    `${body.sensor}, ${how}, ${bitmap.width} x ${bitmap.height}, ${info.render_ms.toFixed(0)} ms + ${info.encode_ms.toFixed(0)} ms JPEG${rate(camera)}`;
+    `${body.sensor}, ${how}, ${bitmap.width} x ${bitmap.height}, ${info.render_ms.toFixed(0)} ms + ${info.encode_ms.toFixed(0)} ms JPEG, ${ms.toFixed(0)} ms in all${rate(camera)}`;
 });
 
 const photo = new Pane('photo', $('photo'), () => '', async () => state.photo ? loadPicture('photo', haste.photo.body(photoRequest())) : null,
@@ -98,7 +102,7 @@ const lidar = new Pane('lidar', $('points'), () => [state.lidar, state.quality].
   if (state.follow && points.follows) points.orbit.target = add(points.orbit.target, sub(info.scene_from_sensor.t, points.follows));
   points.follows = info.scene_from_sensor.t;
   $('points').dataset.time = info.time_s;
-  const what = info.every > 1 ? `each ${info.every}th of the returns` : 'returns';
+  const what = info.every > 1 ? `returns (1 in ${info.every})` : 'returns';
   $('lidar-time').textContent = scene.kind === 'log' ?
     `${body.sensor}, ${data.length / kPointValues} ${what} of ${info.sweeps} sweeps, recorded at ${info.time_s.toFixed(3)} s` :
     `${body.sensor}, ${body.quality}, ${data.length / kPointValues} returns of ${info.rays} rays, ${info.render_ms.toFixed(0)} ms${rate(lidar)}`;
@@ -134,6 +138,7 @@ function drawPictureOver() {
     pen.fillRect(x - side / 2, y - side / 2, side, side);
   }
   if (state.boxes) {
+    const taken = [];
     for (const box of boxesInPicture) {
       const rgb = colourOfBox(box.name);
       pen.strokeStyle = css(rgb);
@@ -148,7 +153,7 @@ function drawPictureOver() {
         }
         pen.stroke();
       }
-      tag(pen, box.name, top[0], Math.max(top[1] - 4 * ratio, 14 * ratio), rgb, ratio);
+      tag(pen, box.name, top[0], Math.max(top[1] - 4 * ratio, 14 * ratio), rgb, ratio, taken);
     }
   }
   drawMeasure(pen, marks.map(mark => mark.picture && at(...mark.picture)), marks.map(mark => mark.point), ratio);

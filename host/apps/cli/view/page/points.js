@@ -116,9 +116,10 @@ class PointView {
     const over = this.over, pen = over.getContext('2d');
     [over.width, over.height] = [w, h];
     const at = point => { const p = this.orbit.project(point, w / h); return p && [p[0] * w, p[1] * h]; };
-    for (const box of this.boxes) {
+    const away = box => Math.hypot(...sub(box.t, this.orbit.eye)), taken = [];
+    for (const box of [...this.boxes].sort((a, b) => away(a) - away(b))) {
       const p = box.shown && at(add(box.t, [0, 0, box.size[2] / 2]));
-      if (p) tag(pen, box.name, p[0], p[1] - 4 * ratio, box.held ? kChosen : box.colour, ratio);
+      if (p) tag(pen, box.name, p[0], p[1] - 4 * ratio, box.held ? kChosen : box.colour, ratio, taken);
     }
     const ends = this.marks.map(at);
     drawMeasure(pen, ends, this.marks, ratio);
@@ -161,8 +162,12 @@ class PointView {
   }
 }
 
-function tag(pen, text, x, y, rgb, ratio) {
+// Where names would lie over each other only the first is written.
+function tag(pen, text, x, y, rgb, ratio, taken = []) {
   pen.font = `${12 * ratio}px system-ui, sans-serif`;
+  const half = pen.measureText(text).width / 2;
+  if (taken.some(other => Math.abs(other.x - x) < other.half + half && Math.abs(other.y - y) < 12 * ratio)) return;
+  taken.push({x, y, half});
   pen.textAlign = 'center';
   pen.lineWidth = 3 * ratio;
   pen.strokeStyle = '#000b';

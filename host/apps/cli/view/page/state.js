@@ -85,9 +85,14 @@ function addedNow(name) {
 
 // --- time ------------------------------------------------------------------------------------------------
 
+// The camera that looks ahead, if any does.
+function frontCamera() {
+  const ahead = name => rotate(scene.mountings[name].rig_from_camera.q, [0, 0, 1])[0];
+  return [...scene.cameras].sort((a, b) => ahead(b) - ahead(a))[0];
+}
 // Starts of the frames that are counted: the camera's, of a built-in one those of the one in whose place it is.
 function frameTimes() {
-  const times = scene.frames[state.camera] || scene.frames[scene.cameras[0]] || scene.frames[scene.lidars[0]];
+  const times = scene.frames[state.camera] || scene.frames[frontCamera()] || scene.frames[scene.lidars[0]];
   if (times && times.length > 0) return times.map(span => span[0]);
   const count = Math.max(1, Math.floor(10 * (scene.time_end_s - scene.time_start_s)));
   return Array.from({length: count}, (_, i) => scene.time_start_s + i / 10);
@@ -100,7 +105,7 @@ function frameAt(time) {
   return at;
 }
 // The first moment at which every sensor has begun to see.
-const firstTime = () => Math.max(...[scene.cameras[0], scene.lidars[0]].map(name => scene.frames[name]?.[0]?.[0] ?? scene.time_start_s));
+const firstTime = () => Math.max(...[frontCamera(), scene.lidars[0]].map(name => scene.frames[name]?.[0]?.[0] ?? scene.time_start_s));
 
 // scene_from_rig at that time.
 function rigAt(time) {

@@ -217,14 +217,14 @@ function bindPointers() {
     const before = state.edits.moved[box.name] || [0, 0, 0];
     // Moved along its own axes as they were before it was turned.
     const back = turnedLeft(inverse(box.q), state.edits.turned[box.name] || 0);
-    choose(box.name);
+    choose(box.name, false);  // the list would move what is dragged
     box.held = true;
     return {
       move: (dx, dy, m) => {
         const at = points.groundAt(m, grabbed[2]);
         if (at) changeEdits(edits => { edits.moved[box.name] = add(before, rotate(back, sub(at, grabbed))); });
       },
-      end: () => { for (const b of points.boxes) b.held = false; listActors(); }};
+      end: () => { for (const b of points.boxes) b.held = false; listActors(); choose(box.name); }};
   }, (dx, dy, factor) => { points.orbit.zoom(factor); panOrbit(dx, dy); });
   $('points').addEventListener('wheel', e => { e.preventDefault(); points.orbit.zoom(Math.exp(e.deltaY / 800)); orbited(); }, {passive: false});
   $('points').addEventListener('dblclick', e => pick(e, 'space').then(focusOn));
@@ -408,7 +408,7 @@ async function start() {
   if (!scene.has_support) for (const option of $('layer').options) if (option.value === 'support') option.disabled = true;
   const time = firstTime(), rig = rigAt(time), [x, y] = rotate(rig.q, [1, 0, 0]);
   const around = {target: place(rig, [6, 0, 0]), distance: 22, azimuth: Math.atan2(y, x) + Math.PI, elevation: 0.35};
-  usual = {...usual, time, camera: scene.cameras[0] || '', lidar: scene.lidars[0] || '', quality: scene.quality || '', orbit: around};
+  usual = {...usual, time, camera: frontCamera() || '', lidar: scene.lidars[0] || '', quality: scene.quality || '', orbit: around};
   $('time').min = scene.time_start_s;
   $('time').max = scene.time_end_s;
   Object.assign(points.orbit, around);
