@@ -247,6 +247,11 @@ TEST_F(ViewPage, PointsToWhatIsThere) {
   EXPECT_EQ(tell("marks.length"), 0);
   // The scene behind the points, from where the orbit is.
   EXPECT_TRUE(changes("photo", [&] { key("p"); }));
+  act("maximise('space')");
+  EXPECT_TRUE(browser_->wait_for("Math.abs($('photo').width / $('photo').height - points.aspect) < 0.02"))
+      << "of the pane's shape";
+  act("maximise('space')");
+  EXPECT_TRUE(browser_->wait_for("Math.abs($('photo').width / $('photo').height - points.aspect) < 0.02"));
   // One finger turns, two pan and pinch.
   const auto touch = [&](const char* kind, const std::string& fingers) {
     browser_->command("Input.dispatchTouchEvent", {{"type", kind}, {"touchPoints", json::parse(fingers)}});

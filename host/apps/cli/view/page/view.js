@@ -443,7 +443,10 @@ async function start() {
   for (const button of document.querySelectorAll('.maximise')) button.onclick = () => maximise(button.closest('.pane').id.split('-')[0]);
   addEventListener('hashchange', () => { restore(); listActors(); refresh(); });
   matchMedia('(prefers-color-scheme: dark)').onchange = drawAll;
-  const resized = new ResizeObserver(drawAll);
+  const resized = new ResizeObserver(() => {
+    drawAll();
+    if (state.photo) panes.ask(['photo']);  // of the pane's shape
+  });
   for (const stage of document.querySelectorAll('.stage')) resized.observe(stage);
   refresh();
   watch().catch(error => say(error.message));
