@@ -22,6 +22,7 @@
 #include "io/scene/support_file.hpp"
 #include "io/scene/training_json.hpp"
 #include "io/splat/ply.hpp"
+#include "io/splat/splat_file.hpp"
 
 namespace simuli {
 namespace {
@@ -285,12 +286,23 @@ const LogLidar* SceneFile::find_lidar(const std::string& name) const {
   return found == lidars.end() ? nullptr : &*found;
 }
 
+namespace {
+
+SceneFile in_order(SceneFile file) {
+  file.scene = in_coherent_order(std::move(file.scene));
+  return file;
+}
+
+}  // namespace
+
+SceneFile read_scene(const fs::path& folder, Eigen::Index& left_out) {
+  left_out = 0;
+  if (!is_splat_file(folder)) return read_scene(folder);
+  return in_order(scene_of_splats(read_splats(folder, &left_out), folder));
+}
+
 SceneFile read_scene(const fs::path& folder) {
-  if (is_splat_file(folder)) {
-    SceneFile file = scene_of_splats(folder);
-    file.scene = in_coherent_order(std::move(file.scene));
-    return file;
-  }
+  if (is_splat_file(folder)) return in_order(scene_of_splats(folder));
   std::error_code ignored;
   if (fs::is_regular_file(folder, ignored)) {
     throw_input_error(folder.string(), "scene", "a file", "a scene's folder, or splats: .ply, .spz, .glb");

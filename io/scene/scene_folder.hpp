@@ -38,6 +38,8 @@ struct SceneFile {
 /// Reads a scene folder, or a file of splats (scene_of_splats()). Unknown keys are errors, as are counts or
 /// SH degrees other than scene.json says. Errors as in io/log/log.hpp.
 [[nodiscard]] SceneFile read_scene(const std::filesystem::path& folder);
+/// The same; broken particles of a file of splats are left out and counted, as read_splats() does.
+[[nodiscard]] SceneFile read_scene(const std::filesystem::path& folder, Eigen::Index& left_out);
 /// Writes the folder beside its place and puts it there in one step, in the place of an older scene: whatever
 /// happens meanwhile, one of the two is there and whole. Error{kInput} for what could not be read back, and
 /// for a folder with anything but a scene in it.

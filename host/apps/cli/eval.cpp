@@ -36,7 +36,7 @@ void eval(EvalCommand command, const Globals& globals) {
   command.options.render = options_of(globals.quality);
   fields_of(command.options).apply(command.settings);
   check(command.options);
-  SceneFile file = read_scene(command.scene);
+  SceneFile file = read_told_scene(command.scene);
   warn_unlike_training(file, command.options.render);
   apply(command.edits, file);
   Log log = read_log(command.log);

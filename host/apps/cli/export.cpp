@@ -62,7 +62,7 @@ Export of_splats(const ExportCommand& command) {
 }
 
 Export of_scene(const ExportCommand& command) {
-  SceneFile file = read_scene(command.input);
+  SceneFile file = read_told_scene(command.input);
   apply(command.edits, file);
   const Scene& scene = file.scene;
   const GaussianSet& all = command.lidar ? scene.lidar : scene.camera;
@@ -86,7 +86,7 @@ void tell_left_out(const std::vector<std::string>& left_out) {
 }
 
 void export_drive(const ExportCommand& command, const Globals& globals) {
-  SceneFile scene = read_scene(command.input);
+  SceneFile scene = read_told_scene(command.input);
   apply(command.edits, scene);
   const std::string id = scene_id_of(command.input);
   const DriveArchive archive = write_drive_archive(command.output, scene, id);

@@ -44,6 +44,15 @@ Mounting parse_mounting(const char* option, const std::string& text) {
   return {v.head<3>(), v[3], v[4], v[5]};
 }
 
+SceneFile read_told_scene(const std::filesystem::path& path) {
+  Eigen::Index left_out = 0;
+  SceneFile scene = read_scene(path, left_out);
+  if (left_out > 0)
+    std::cerr << fmt::format("simuli: note: left out: {} particles with NaN, Inf or a zero quaternion\n",
+                             left_out);
+  return scene;
+}
+
 void add_edit_options(Command sub, Edits& edits) {
   const auto add = [&](const char* name, std::vector<std::string>& to, const char* text) {
     return sub.option(name, to, text);
@@ -112,10 +121,10 @@ void apply(const Edits& edits, SceneFile& file) {
       }
       need_name(parts[1], "--add " + edit, "name");
       const Pose base = standing_pose(file.world_from_rig);
-      add_actor(scene, as_actor(read_scene(parts[0]).scene, parts[1], base), parts[1], parts[1]);
+      add_actor(scene, as_actor(read_told_scene(parts[0]).scene, parts[1], base), parts[1], parts[1]);
       continue;
     }
-    add_actor(scene, read_scene(parts[0]).scene, parts[1], parts.back());
+    add_actor(scene, read_told_scene(parts[0]).scene, parts[1], parts.back());
   }
   for (const std::string& edit : edits.duplicate) {
     const auto parts = parts_of("--duplicate", edit, 2, 2, "ACTOR:NAME");

@@ -27,6 +27,9 @@ struct Edits {
 /// "X,Y,Z,ROLL,PITCH,YAW", m and degrees. Error{kUsage} naming `option` for anything else.
 [[nodiscard]] Mounting parse_mounting(const char* option, const std::string& text);
 
+/// read_scene() without the broken particles of a file of splats; a note on stderr says how many.
+[[nodiscard]] SceneFile read_told_scene(const std::filesystem::path& path);
+
 void add_edit_options(Command sub, Edits& edits);
 /// Each as it is given, in the order in which they are applied: "--remove car".
 [[nodiscard]] std::vector<std::string> lines_of(const Edits& edits);

@@ -315,7 +315,7 @@ void render(RenderCommand command, const Globals& globals) {
   RenderOptions options = options_of(globals.quality);
   fields_of(options).apply(command.settings);
   validate(options);
-  SceneFile file = read_scene(command.scene);
+  SceneFile file = read_told_scene(command.scene);
   warn_unlike_training(file, options);
   apply(command.edits, file);
   const Drive drive = read_drive(command.scene, file, command.plan);
