@@ -15,6 +15,7 @@
 #include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/base/output.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/log/log_json.hpp"
 #include "io/scene/appearance_file.hpp"
 #include "io/scene/scene_output.hpp"
@@ -306,6 +307,9 @@ SceneFile read_scene(const fs::path& folder) {
   std::error_code ignored;
   if (fs::is_regular_file(folder, ignored)) {
     throw_input_error(folder.string(), "scene", "a file", "a scene's folder, or splats: .ply, .spz, .glb");
+  }
+  if (!is_there(folder / kSceneName) && is_there(folder / "log.json")) {
+    throw_input_error(folder.string(), "scene", "a log", "a scene's folder: simuli train LOG -o SCENE");
   }
   const auto own = [&](const char* name) { return inside(folder, name, folder.string(), "file"); };
   const fs::path file = own(kSceneName);

@@ -57,6 +57,15 @@ TEST_F(SceneCli, TrainingIsReported) {
   EXPECT_EQ(files_in("runs"), 1U);
 }
 
+TEST_F(SceneCli, ALogIsNoSceneAndIsToldSo) {
+  make_street();
+  const Outcome outcome =
+      run("render " + (folder_ / "s.log").string() + " --sensor front -o " + (folder_ / "out").string());
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.err.find("found a log, allowed a scene's folder: simuli train"), std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(SceneCli, WhatIsComparedIsCalledByItsName) {
   make_scene();
   const auto eval = [this](const std::string& arguments) {
