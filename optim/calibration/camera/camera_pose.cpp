@@ -19,9 +19,7 @@ constexpr std::size_t kTextureRounds = 4;  // of progress
 /// The same rims stand in every sweep and every picture, between the same two rows: on the street, edges
 /// alone leave 28 mm where independent ones would be good for 2.8.
 constexpr double kEdgesAlike = 10.0;
-// What a mounting is good for: 3 cm at 10 m; a clock: 2 cm at 20 m/s.
-constexpr double kWorstTranslation_m = 0.03;
-constexpr double kWorstRotation_rad = 0.2 * kDegree;
+// Of a clock: 2 cm at 20 m/s.
 constexpr double kWorstTime_s = 1e-3;
 
 /// One camera's mounting: by depth edges, then by texture, then without its clock when that can't be told.
@@ -49,8 +47,8 @@ class MountingSearch {
     lay_on_edges(widest_px_);
     TextureFit texture = fit_by_texture();
     report_.time_sigma_s = std::sqrt(texture.covariance(6, 6));
-    report_.time_known = report_.time_sigma_s <= kWorstTime_s;
-    if (!report_.time_known) {
+    report_.time_known = with_time_ && report_.time_sigma_s <= kWorstTime_s;
+    if (with_time_ && !report_.time_known) {
       leave_clock();
       lay_on_edges(2.0 * narrowest_px_);
       texture = fit_by_texture();
@@ -59,6 +57,7 @@ class MountingSearch {
     refuse("place along", edge_deviation_.head<3>(), kWorstTranslation_m, 1.0, "m");
     refuse("turn about", edge_deviation_.segment<3>(3), kWorstRotation_rad, 1.0 / kDegree, "deg");
     tell_change();
+    tell_growth();
     return report_;
   }
 
@@ -188,6 +187,14 @@ class MountingSearch {
     report_.after_px = upper_median(std::move(after));
   }
 
+  void tell_growth() {
+    if (!(report_.after_px > report_.before_px)) return;
+    report_.notes.push_back(fmt::format(
+        "depth edges are {:.2f} px from the picture's with what was found, {:.2f} px with what was given",
+        report_.after_px,
+        report_.before_px));
+  }
+
   const std::vector<CameraView>& views_;
   const LogCamera& camera_;
   const Trajectory& world_from_rig_;
@@ -198,7 +205,7 @@ class MountingSearch {
   double widest_px_, narrowest_px_;
   MountingState given_{PoseBlock(camera_.rig_from_camera), 0.0};
   MountingState state_ = given_;
-  bool with_time_ = true;
+  bool with_time_ = options_.with_clock;
   std::vector<Match> matches_;
   double scale_ = 0.0;
   MountingStep edge_deviation_ = MountingStep::Zero();
@@ -206,6 +213,24 @@ class MountingSearch {
 };
 
 }  // namespace
+
+double edges_apart_px(const std::vector<CameraView>& views,
+                      const LogCamera& camera,
+                      double time_offset_s,
+                      const Trajectory& world_from_rig,
+                      const LidarScene& scene,
+                      const CameraPoseOptions& options) {
+  const MountingState state{PoseBlock(camera.rig_from_camera), time_offset_s};
+  const EdgeMatcher matcher(views, camera, world_from_rig, scene.edges, options);
+  double sum_px = 0.0;
+  std::size_t in_view = 0;
+  for (const Match& m : matcher.find(state, kFarEdge_px)) {
+    if (!m.in_view) continue;
+    ++in_view;
+    sum_px += m.found ? std::min(std::abs(distance_px(m.line, state)), kFarEdge_px) : kFarEdge_px;
+  }
+  return in_view == 0 ? kFarEdge_px : sum_px / static_cast<double>(in_view);
+}
 
 CameraPoseReport find_camera_pose(const std::vector<CameraView>& views,
                                   const LogCamera& camera,

@@ -5,9 +5,11 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "host/core/base/angles.hpp"
 #include "io/log/log.hpp"
 #include "optim/calibration/camera/camera_edges.hpp"
 #include "optim/calibration/camera/camera_texture.hpp"
@@ -23,11 +25,16 @@ struct LidarScene {
 /// The spacing of a sensor's rows, or of its columns where it has one row.
 [[nodiscard]] double beam_spacing(const Lidar& lidar);
 
+// What a mounting is good for: 3 cm at 10 m.
+inline constexpr double kWorstTranslation_m = 0.03;
+inline constexpr double kWorstRotation_rad = 0.2 * kDegree;
+
 struct CameraPoseOptions {
   double widest_search = 0.06;   // of the focal length: 3.4 degrees
   int rounds = 14;               // of finding edges and solving
   double least_strength = 0.01;  // luminance per pixel
   double sweeps_about_s = 0.16;  // edges of sweeps this near in time to a picture are looked for in it
+  bool with_clock = true;        // else the pictures' times are right
 };
 
 struct CameraPoseReport {
@@ -39,6 +46,9 @@ struct CameraPoseReport {
   double time_sigma_s = 0.0;
   Eigen::Vector3d translation_change_m = Eigen::Vector3d::Zero();  // camera frame, from the value given
   double rotation_change_rad = 0.0;
+  /// Where there are pictures enough, by how much a half of the drive puts it elsewhere than the other does,
+  /// along and about the camera's axes; no standard deviation above is less than half of it.
+  std::optional<Eigen::Vector3d> halves_apart_m, halves_apart_rad;
   bool time_known = false;
   std::size_t pieces = 0;          // flat pieces with a texture that both show, each in each picture; 0: none
   std::size_t texture_points = 0;  // returns on them
@@ -54,7 +64,8 @@ struct CameraPoseReport {
 
 /// Throws Error{kNumeric} with the reason where the data cannot tell the mounting: too few edges in view (a
 /// blank wall), or a direction in which neither edges nor texture hold the camera. A clock that cannot be
-/// told apart from the mounting (a straight drive at constant speed) stays as it is, noted.
+/// told apart from the mounting (a straight drive at constant speed) stays as it is, noted. So is that
+/// depth edges lie farther from those of the pictures than with the mounting that was given.
 [[nodiscard]] CameraPoseReport find_camera_pose(
     const std::vector<CameraView>& views,
     const LogCamera& camera,
@@ -63,8 +74,20 @@ struct CameraPoseReport {
     const CameraPoseOptions& options = {},
     const std::function<void(std::size_t, std::size_t)>& progress = {});
 
+/// Mean distance of depth edges in view from the pictures' nearest, px, of each at most kFarEdge_px: with that
+/// mounting of the camera, and that offset added to the pictures' times. Errors as find_camera_pose().
+inline constexpr double kFarEdge_px = 3.0;
+[[nodiscard]] double edges_apart_px(const std::vector<CameraView>& views,
+                                    const LogCamera& camera,
+                                    double time_offset_s,
+                                    const Trajectory& world_from_rig,
+                                    const LidarScene& scene,
+                                    const CameraPoseOptions& options = {});
+
 /// Reads the pictures (at most `most_views`, evenly taken) and the sweeps of a log; what the camera's masks
-/// hide of the pictures is left out. Error{kInput} for a picture of another size than the camera's.
+/// hide of the pictures is left out. Both halves of the drive are asked by themselves, too: Error{kNumeric}
+/// where they disagree, or the mounting that a half asks for fits the pictures of the other one less well than
+/// that which was given. Error{kInput} for a picture of another size than the camera's.
 [[nodiscard]] CameraPoseReport find_camera_pose(
     const Log& log,
     const std::string& camera,

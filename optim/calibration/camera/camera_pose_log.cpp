@@ -1,9 +1,13 @@
 // What the search for a camera's mounting reads of a log.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <fmt/format.h>
+#include <iterator>
 #include <utility>
 #include <vector>
 
+#include "host/core/base/error.hpp"
 #include "host/core/base/spread.hpp"
 #include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
@@ -18,6 +22,77 @@ double beam_spacing(const Lidar& lidar) {
   }
   return gaps.empty() ? lidar.azimuth_span / lidar.columns : upper_median(std::move(gaps));
 }
+
+namespace {
+
+constexpr std::size_t kLeastViews = 16;  // that halves of a drive are worth comparing
+
+/// Of one thing that is told twice.
+template <class Vector>
+void widen(Vector& sigma, const Eigen::Vector3d& apart) {
+  sigma = sigma.cwiseMax(0.5 * apart.cwiseAbs());
+}
+
+/// What either half of the pictures says of the mounting, and to the pictures of the other one.
+void ask_halves(std::vector<CameraView> views,
+                const LogCamera& given,
+                const Trajectory& world_from_rig,
+                const LidarScene& scene,
+                CameraPoseOptions options,
+                const std::function<void(std::size_t, std::size_t)>& progress,
+                CameraPoseReport& report) {
+  constexpr double kWorse = 1.05;  // a right mounting that is found again is a little beside itself
+  options.with_clock = false;      // what the whole says of it is believed
+  for (CameraView& view : views) {
+    view.exposure_start_s += report.time_offset_s;
+    view.exposure_end_s += report.time_offset_s;
+  }
+  const auto middle = views.begin() + static_cast<std::ptrdiff_t>(views.size() / 2);
+  const std::vector<CameraView> second(std::make_move_iterator(middle), std::make_move_iterator(views.end()));
+  views.erase(middle, views.end());
+  const std::array<const std::vector<CameraView>*, 2> halves{&views, &second};
+  const auto refuse = [&](const std::string& reason) {
+    throw Error(ErrorKind::kNumeric,
+                fmt::format("mounting of camera {}: not determined: {}", given.model.name, reason));
+  };
+  std::array<LogCamera, 2> by_half{given, given};
+  for (std::size_t i = 0; i < 2; ++i) {
+    with_context(i == 0 ? "asking the drive's first half" : "asking the drive's second half", [&] {
+      by_half[i].rig_from_camera =
+          find_camera_pose(*halves[i], given, world_from_rig, scene, options, progress).rig_from_camera;
+    });
+  }
+  const MountingStep apart =
+      step_between({by_half[0].rig_from_camera, 0.0}, {by_half[1].rig_from_camera, 0.0});
+  report.halves_apart_m = apart.head<3>();
+  report.halves_apart_rad = apart.segment<3>(3);
+  if (report.halves_apart_m->norm() > 2.0 * kWorstTranslation_m ||
+      report.halves_apart_rad->norm() > 2.0 * kWorstRotation_rad) {
+    refuse(fmt::format(
+        "halves of the drive put it {:.3f} m and {:.2f} deg apart, allowed {:.3f} m and {:.2f} deg",
+        report.halves_apart_m->norm(),
+        report.halves_apart_rad->norm() / kDegree,
+        2.0 * kWorstTranslation_m,
+        2.0 * kWorstRotation_rad / kDegree));
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::vector<CameraView>& other = *halves[1 - i];
+    const double found_px = edges_apart_px(other, by_half[i], 0.0, world_from_rig, scene, options);
+    const double given_px = edges_apart_px(other, given, 0.0, world_from_rig, scene, options);
+    if (found_px > kWorse * given_px) {
+      refuse(fmt::format(
+          "what the {} half of the drive asks for puts depth edges {:.3f} px from those of the other "
+          "half's pictures, allowed at most the {:.3f} px with what was given",
+          i == 0 ? "first" : "second",
+          found_px,
+          given_px));
+    }
+  }
+  widen(report.translation_sigma_m, *report.halves_apart_m);
+  widen(report.rotation_sigma_rad, *report.halves_apart_rad);
+}
+
+}  // namespace
 
 CameraPoseReport find_camera_pose(const Log& log,
                                   const std::string& camera,
@@ -52,7 +127,23 @@ CameraPoseReport find_camera_pose(const Log& log,
   });
   scene.surfaces = surface_points(sweeps, world_from_rig);
   scene.spacing_rad = beam_spacing(sensor.with_rows());
-  return find_camera_pose(views, log.camera(camera), world_from_rig, scene, options, progress);
+  const bool has_halves = views.size() >= kLeastViews;
+  std::size_t before = 0;  // of the whole's progress; each half has half of the pictures
+  const auto tell = [&](std::size_t done, std::size_t total) {
+    if (progress) progress(before + done, has_halves ? 3 * total : total);
+    if (done == total) before += total;
+  };
+  const LogCamera& given = log.camera(camera);
+  CameraPoseReport report = find_camera_pose(views, given, world_from_rig, scene, options, tell);
+  if (has_halves) {
+    ask_halves(std::move(views), given, world_from_rig, scene, options, tell, report);
+  } else {
+    report.notes.push_back(
+        fmt::format("halves of the drive: found {} pictures, allowed {} and more: not compared",
+                    views.size(),
+                    kLeastViews));
+  }
+  return report;
 }
 
 }  // namespace simuli::calibration

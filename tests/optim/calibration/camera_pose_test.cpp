@@ -166,6 +166,49 @@ TEST(CameraPose, WhatAMaskHidesMakesNoDifference) {
   EXPECT_GT(open.edges, report.edges);
 }
 
+/// The drive's log on disk, whose later half of the pictures is of a camera that is turned by so much.
+Log with_halves(const test::StreetDrive& drive, const test::Scratch& scratch, double later_rad) {
+  Log log = drive.log;
+  log.folder = scratch / std::to_string(later_rad);
+  for (std::size_t i = 0; i < log.images.size(); ++i) {
+    LogCamera camera = log.cameras[0];
+    if (2 * i >= log.images.size())
+      camera.rig_from_camera.rotation =
+          camera.rig_from_camera.rotation * Eigen::AngleAxisd(later_rad, Eigen::Vector3d::UnitY());
+    const ImageFrame& frame = log.images[i];
+    std::filesystem::create_directories((log.folder / frame.file).parent_path());
+    std::filesystem::create_directories((log.folder / log.sweeps[i].file).parent_path());
+    write_image(
+        log.folder / frame.file,
+        render_street(drive.street, camera, log.world_from_rig, frame.time_start_s, frame.time_end_s));
+    write_sweep(log.folder / log.sweeps[i].file, drive.sweep(i));
+  }
+  return log;
+}
+
+TEST(CameraPose, IsToldTwiceByTheHalvesOfADrive) {
+  const test::StreetDrive drive(16, 8.0, 0.6, 240);
+  const test::Scratch scratch;
+  const auto pose = [](const Log& log) {
+    return find_camera_pose(log, log.cameras[0].model.name, name_of(log.lidars[0].model), log.world_from_rig);
+  };
+  const CameraPoseReport report = pose(with_halves(drive, scratch, 0.0));
+  ASSERT_TRUE(report.halves_apart_m && report.halves_apart_rad);
+  EXPECT_LT(report.halves_apart_rad->norm(), 0.2 * kDegree);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_GE(report.translation_sigma_m[k], 0.5 * std::abs((*report.halves_apart_m)[k]));
+    EXPECT_GE(report.rotation_sigma_rad[k], 0.5 * std::abs((*report.halves_apart_rad)[k]));
+  }
+  try {
+    (void)pose(with_halves(drive, scratch, kDegree));
+    FAIL() << "accepted";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::kNumeric);
+    EXPECT_NE(std::string(error.what()).find("halves of the drive put it"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(CameraPose, APictureOfAnotherSizeIsRefused) {
   const test::StreetDrive drive(2, 8.0, 0.6);
   const test::Scratch scratch;

@@ -106,6 +106,8 @@ Json to_json(const CameraResult& result) {
           {"translation_sigma_m", array(r.translation_sigma_m)},
           {"rotation_sigma_deg", array(r.rotation_sigma_rad / kDegree)},
           {"time_sigma_s", r.time_sigma_s},
+          {"halves_apart_m", r.halves_apart_m ? array(*r.halves_apart_m) : Json(nullptr)},
+          {"halves_apart_deg", r.halves_apart_rad ? array(*r.halves_apart_rad / kDegree) : Json(nullptr)},
           {"texture_pieces", r.pieces},
           {"texture_points", r.texture_points},
           {"texture_correlation_before", r.texture_before},
@@ -177,6 +179,10 @@ std::string text_of(const CameraResult& result) {
   text += row("standard deviations", r.translation_sigma_m, "m");
   text += fmt::format("  {:<22} {:>9.4f} deg\n", "turned by", r.rotation_change_rad / kDegree);
   text += row("standard deviations", r.rotation_sigma_rad / kDegree, "deg");
+  if (r.halves_apart_m && r.halves_apart_rad) {
+    text += row("halves apart", *r.halves_apart_m, "m");
+    text += row("halves apart", *r.halves_apart_rad / kDegree, "deg");
+  }
   if (r.time_known) {
     text += fmt::format("  {:<22} {:>9.3f} ms, standard deviation {:.3f} ms\n",
                         "clock: add to times",
