@@ -5,11 +5,11 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "host/core/base/angles.hpp"
 #include "io/log/log.hpp"
 #include "optim/calibration/camera/camera_edges.hpp"
 #include "optim/calibration/camera/camera_texture.hpp"
@@ -27,7 +27,7 @@ struct LidarScene {
 
 // What a mounting is good for: 3 cm at 10 m.
 inline constexpr double kWorstTranslation_m = 0.03;
-inline constexpr double kWorstRotation_rad = 0.2 * kDegree;
+inline constexpr double kWorstRotation_rad = 0.2 * std::numbers::pi / 180.0;
 
 struct CameraPoseOptions {
   double widest_search = 0.06;   // of the focal length: 3.4 degrees

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/base/spread.hpp"
 #include "io/log/frame_files.hpp"
