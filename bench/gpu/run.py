@@ -10,7 +10,6 @@ Parts, in their order; one that fails is told on the page and does not keep the 
 each, so that a run that is cut off leaves what it has:
   check      simuli devices --check: a known scene in float and double
   tests      the tests that run kernels, on this device
-  tuning     simuli devices --tune: shapes of a tile and sizes of groups (kept in FOLDER alone)
   stages     simuli bench --stages, beside what bench/gpu/model.py predicted for cards that it knows
   pictures   simuli bench --agreement: every ray against the processor's driver, where there is one
   training   simuli bench --training: an iteration by stage, memory
@@ -36,7 +35,7 @@ import drivers  # noqa: E402
 import icd  # noqa: E402
 import model  # noqa: E402
 
-PARTS = ("check", "tests", "tuning", "stages", "pictures", "training", "street", "trade", "peers")
+PARTS = ("check", "tests", "stages", "pictures", "training", "street", "trade", "peers")
 TESTS = ("simuli_runtime_tests", "simuli_cl_tests", "simuli_render_tests", "simuli_scene_tests")
 
 
@@ -140,12 +139,6 @@ class Bench:
                 if not failed:
                     self.page.fail("tests", reason)
         return data, markdown(("program", "passed", "failed", "skipped", "seconds"), table)
-
-    def tuning(self):
-        found = json.loads(self.program("simuli", "devices", "--tune", "--json"))
-        table = [(" x ".join(str(t["tuning"][k]) for k in ("lanes", "vectors", "work_items")), t["tuning"]["group"],
-                  f"{t['camera_ms']:.3f}", f"{t['lidar_ms']:.3f}", "kept" if t["kept"] else "") for t in found]
-        return found, "0: the usual.\n\n" + markdown(("lanes x vectors x work-items", "group", "camera, ms", "LiDAR, ms", ""), table)
 
     def stages(self):
         rows = self.rows("--stages", "--frames", str(self.arguments.frames))

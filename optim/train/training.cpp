@@ -9,7 +9,6 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/fields.hpp"
 #include "host/core/base/version.hpp"
-#include "host/device/runtime/tuning.hpp"
 #include "io/log/frame_files.hpp"
 #include "io/log/mended_labels.hpp"
 #include "optim/log/sensor_learning.hpp"
@@ -61,15 +60,12 @@ const TrainingOptions& Training::options() const { return state_->drive.options;
 /// What ranks must have alike to come to the same bits.
 std::vector<RankField> Training::State::rank_fields() const {
   const DeviceInfo& device = drive.device.info();
-  const DeviceTuning& tuning = tuning_of(drive.device);
-  std::vector<RankField> fields = {
-      {"device", device.label()},
-      {"device version", device.device_version},
-      {"driver", device.driver_version},
-      {"compute units", fmt::format("{}", device.compute_units)},
-      {"tuning", fmt::format("{} {} {} {}", tuning.lanes, tuning.vectors, tuning.work_items, tuning.group)},
-      {"log", fmt::format("{} {}", drive.log.name, drive.log_hash)},
-      {"fixer", drive.options.fixer_command}};
+  std::vector<RankField> fields = {{"device", device.label()},
+                                   {"device version", device.device_version},
+                                   {"driver", device.driver_version},
+                                   {"compute units", fmt::format("{}", device.compute_units)},
+                                   {"log", fmt::format("{} {}", drive.log.name, drive.log_hash)},
+                                   {"fixer", drive.options.fixer_command}};
   for (const std::string& line : lines_of(drive.options)) {
     const std::size_t equals = line.find('=');
     fields.push_back({line.substr(0, equals), line.substr(equals + 1)});

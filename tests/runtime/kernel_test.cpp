@@ -1,5 +1,7 @@
 #include "host/device/runtime/kernel.hpp"
 
+#include <algorithm>
+
 #include "tests/runtime/support.hpp"
 
 namespace simuli {
@@ -344,6 +346,24 @@ TEST_F(KernelTest, ProfileHasARowPerKernel) {
   }
   timed.profile().reset();
   EXPECT_TRUE(timed.profile().rows().empty());
+}
+
+/// How many work-items ran, and in groups of what size, as each of them saw it.
+TEST_F(KernelTest, RunsOverACountInWholeGroups) {
+  const Program program = Program::from_text(
+      device_,
+      "groups.cl",
+      "__kernel void groups(__global uint* out) { out[get_global_id(0)] = get_local_size(0); }\n");
+  const auto sizes = [&](std::size_t count) {
+    Buffer<std::uint32_t> out(device_, "out", std::vector<std::uint32_t>(256, 0U));
+    Kernel(program, "groups").run_over(count, {{"out", out}});
+    return out.download();
+  };
+  const std::uint32_t group = sizes(1).front();
+  EXPECT_GE(group, 32U);
+  const std::vector<std::uint32_t> two_groups = sizes(group + 1);
+  EXPECT_EQ(std::count(two_groups.begin(), two_groups.end(), group), 2 * group);
+  EXPECT_EQ(sizes(0).front(), 0U);
 }
 
 TEST_F(KernelTest, ProfileIsOffByDefault) {

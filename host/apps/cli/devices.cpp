@@ -5,15 +5,12 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <vector>
 
 #include "host/apps/cli/base/commands.hpp"
 #include "host/apps/cli/base/json_text.hpp"
 #include "host/core/base/error.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
-#include "host/device/render/scene/tuning.hpp"
-#include "host/device/runtime/tuning.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -158,51 +155,6 @@ std::string device_text(std::size_t index, const DeviceInfo& d) {
       d.usable ? "" : ", not usable");
 }
 
-std::string tuning_text(const DeviceTuning& t) {
-  std::string text;
-  if (t.lanes != 0)
-    text = fmt::format("tiles of {} lanes x {} vectors x {} work-items", t.lanes, t.vectors, t.work_items);
-  if (t.group != 0) text += fmt::format("{}groups of {}", text.empty() ? "" : ", ", t.group);
-  return text.empty() ? "the usual" : text;
-}
-
-nlohmann::ordered_json tuning_json(const DeviceTuning& t) {
-  return {{"lanes", t.lanes}, {"vectors", t.vectors}, {"work_items", t.work_items}, {"group", t.group}};
-}
-
-/// Times what could suit the device and keeps what does.
-void tune(const Globals& globals) {
-  constexpr std::int64_t kParticles = 200'000;
-  constexpr int kFrames = 15;
-  const Device device = Device::best(globals.device);
-  const TuningSearch search = time_tunings(device, kParticles, kFrames);
-  const DeviceTuning& best = search.times[search.best].tuning;
-  save_tuning(device.info(), best);
-  if (!globals.json) std::cout << device.info().label() << '\n';
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < search.times.size(); ++i) {
-    const TuningTime& t = search.times[i];
-    const bool kept = i == search.best;
-    list.push_back({{"tuning", tuning_json(t.tuning)},
-                    {"camera_ms", t.camera_ms.median},
-                    {"lidar_ms", t.lidar_ms.median},
-                    {"kept", kept}});
-    if (globals.json) continue;
-    std::cout << fmt::format("  {:<58} camera {:>8.3f} ms, LiDAR {:>8.3f} ms{}\n",
-                             tuning_text(t.tuning),
-                             t.camera_ms.median,
-                             t.lidar_ms.median,
-                             kept ? "  kept" : "");
-  }
-  if (globals.json) std::cout << json_text(list) << '\n';
-}
-
-void untune(const Globals& globals) {
-  const Device device = Device::best(globals.device);
-  save_tuning(device.info(), {});
-  if (!globals.json) std::cout << fmt::format("{}: {}\n", device.info().label(), tuning_text({}));
-}
-
 void devices(bool check, const Globals& globals) {
   const std::vector<DeviceInfo> all = Device::list();
   if (all.empty()) {
@@ -213,10 +165,6 @@ void devices(bool check, const Globals& globals) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     nlohmann::ordered_json json = device_json(i, all[i]);
     std::string text = device_text(i, all[i]);
-    if (const std::optional<DeviceTuning> tuning = stored_tuning(all[i])) {
-      json["tuning"] = tuning_json(*tuning);
-      text += fmt::format("   tuned: {}\n", tuning_text(*tuning));
-    }
     if (check && all[i].usable) {
       const Check result = check_device(i);
       json["check_passed"] = result.passed;
@@ -234,25 +182,10 @@ void devices(bool check, const Globals& globals) {
 }  // namespace
 
 void add_devices(Command app, const Globals& globals) {
-  struct Asked {
-    bool check = false, tune = false, untune = false;
-  };
-  const auto asked = std::make_shared<Asked>();
+  const auto check = std::make_shared<bool>(false);
   Command sub = app.command("devices", "OpenCL devices and what each can do");
-  sub.flag("--check", asked->check, "render a known scene on each and compare");
-  sub.flag("--tune",
-           asked->tune,
-           "time other ways to spread the work of a frame on --device, and keep the fastest for it: results "
-           "may differ in their last bits from then on")
-      .excludes("--check");
-  sub.flag("--untune", asked->untune, "forget what --tune kept for --device")
-      .excludes("--check")
-      .excludes("--tune");
-  sub.run([asked, &globals] {
-    if (asked->tune) return tune(globals);
-    if (asked->untune) return untune(globals);
-    devices(asked->check, globals);
-  });
+  sub.flag("--check", *check, "render a known scene on each and compare");
+  sub.run([check, &globals] { devices(*check, globals); });
 }
 
 }  // namespace simuli::cli

@@ -242,7 +242,6 @@ Device Device::best(std::string_view request, const DeviceOptions& options) {
   auto state = std::make_shared<detail::DeviceState>();
   state->info = chosen.info;
   state->quirks = quirks_of(chosen.info);
-  state->tuning = stored_tuning(chosen.info).value_or(DeviceTuning{});
   state->device = chosen.device;
   state->profile = Profile(options.profiling);
   cl_call(
@@ -288,13 +287,8 @@ Device Device::adopt(cl_context context, cl_command_queue queue) {
         state->info = describe(state->device);
       });
   state->quirks = quirks_of(state->info);
-  state->tuning = stored_tuning(state->info).value_or(DeviceTuning{});
   return Device(std::move(state));
 }
-
-const DeviceTuning& tuning_of(const Device& device) { return device.state().tuning; }
-
-void set_tuning(const Device& device, const DeviceTuning& tuning) { device.state().tuning = tuning; }
 
 const DeviceInfo& Device::info() const { return state_->info; }
 const Quirks& Device::quirks() const { return state_->quirks; }

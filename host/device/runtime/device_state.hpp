@@ -9,7 +9,6 @@
 #include "host/device/runtime/cl.hpp"
 #include "host/device/runtime/declaration.hpp"
 #include "host/device/runtime/device.hpp"
-#include "host/device/runtime/tuning.hpp"
 
 namespace simuli::detail {
 
@@ -47,7 +46,6 @@ struct DeviceState {
 
   DeviceInfo info;
   Quirks quirks;
-  DeviceTuning tuning;
   cl::Device device;
   cl::Context context;
   cl::CommandQueue queue;

@@ -249,9 +249,8 @@ void Kernel::run(const Range& global, const Range& local, std::initializer_list<
 void Kernel::run_over(std::size_t count, std::initializer_list<Binding> arguments) {
   if (group_ == 0) {
     // Waves have 32 or 64 work-items on GPUs; CPUs only want few groups.
-    const auto tuned = static_cast<std::size_t>(tuning_of(program_.device()).group);
     const std::size_t usual = program_.device().info().is_cpu ? 32 : 64;
-    group_ = std::min(tuned != 0 ? tuned : usual, max_local_size());
+    group_ = std::min(usual, max_local_size());
   }
   run(round_up(count, group_), group_, arguments);
 }

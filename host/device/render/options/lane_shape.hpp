@@ -5,11 +5,9 @@
 
 namespace simuli {
 
-/// What a search found for the device (tuning_of()), in float; else usual_lane_shape().
-[[nodiscard]] LaneShape lane_shape_of(const Device& device, Precision precision);
 /// As suits the kind of device. CPUs: one work-item per tile, explicit vectors. GPUs: 64 scalar work-items of
 /// 4 rays.
-[[nodiscard]] LaneShape usual_lane_shape(const Device& device, Precision precision);
+[[nodiscard]] LaneShape lane_shape_of(const Device& device, Precision precision);
 
 /// For kernels whose work-items take `lanes` values each; 0: as suits the device.
 [[nodiscard]] BuildOptions lane_options(const Device& device, Precision precision, int lanes = 0);
