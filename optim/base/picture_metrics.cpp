@@ -119,32 +119,22 @@ double psnr_db(const Image& rendered, const Image& truth) {
 
 double psnr_corrected_db(const Image& rendered, const Image& truth) {
   check_pair("psnr_corrected_db", rendered, truth, 1);
+  using Pixels = Eigen::Map<const Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
   const Eigen::Index channels = truth.channels;
   const auto pixels = static_cast<Eigen::Index>(truth.data.size()) / channels;
-  using Pixels = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
   const Pixels from(rendered.data.data(), pixels, channels), to(truth.data.data(), pixels, channels);
-  const auto with_one = [&](Eigen::Index pixel) {
-    Eigen::VectorXd row(channels + 1);
-    row << from.row(pixel).transpose().cast<double>(), 1.0;
-    return row;
-  };
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(channels + 1, channels + 1);
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(channels + 1, channels);
-  for (Eigen::Index i = 0; i < pixels; ++i) {
-    if (to.row(i).minCoeff() < 0.0F) continue;
-    const Eigen::VectorXd row = with_one(i);
-    normal += row * row.transpose();
-    right += row * to.row(i).cast<double>();
-  }
+  Eigen::MatrixXd coloured = Eigen::MatrixXd::Ones(pixels, channels + 1);
+  coloured.leftCols(channels) = from.matrix().cast<double>();
+  const Eigen::VectorXd known = (to.rowwise().minCoeff() >= 0.0F).matrix().cast<double>();
   // Of grey and of plain pictures many transforms are as near: the least one.
-  const Eigen::MatrixXd transform = normal.completeOrthogonalDecomposition().solve(right);
+  const Eigen::MatrixXd weighted = known.asDiagonal() * coloured;
+  const Eigen::MatrixXd transform = (weighted.transpose() * coloured)
+                                        .completeOrthogonalDecomposition()
+                                        .solve(weighted.transpose() * to.matrix().cast<double>());
   Image corrected = rendered;
-  for (Eigen::Index i = 0; i < pixels; ++i) {
-    const Eigen::VectorXd colour = (transform.transpose() * with_one(i)).cwiseMax(0.0).cwiseMin(1.0);
-    for (Eigen::Index c = 0; c < channels; ++c) {
-      corrected.data[static_cast<std::size_t>(i * channels + c)] = static_cast<float>(colour[c]);
-    }
-  }
+  Eigen::Map<Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+      corrected.data.data(), pixels, channels) =
+      (coloured * transform).cast<float>().cwiseMax(0.0F).cwiseMin(1.0F);
   return std::fmax(psnr_db(corrected, truth), psnr_db(rendered, truth));  // the same but for rounding
 }
 
