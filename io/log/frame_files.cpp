@@ -101,7 +101,7 @@ FrameFiles::Wish wish_of(const Log& log, const SweepFrame& frame) {
 Sweep read_sweep(const Log& log, const SweepFrame& frame, const LidarModel& lidar) {
   const std::filesystem::path file = log.folder / frame.file;
   if (log.files == nullptr) return read_sweep(file, lidar);
-  return with_biases(std::get<Sweep>(*log.files->get(wish_of(log, frame))), file, lidar);
+  return as_measured(std::get<Sweep>(*log.files->get(wish_of(log, frame))), file, lidar);
 }
 
 Sweep read_sweep(const Log& log, const SweepFrame& frame) {

@@ -106,6 +106,7 @@ Json row_model_json(const Lidar& model) {
   for (const BlindArc& arc : model.blind) {
     arcs.push_back(
         {{"row", arc.row}, {"azimuth_first_rad", arc.azimuth_first}, {"azimuth_last_rad", arc.azimuth_last}});
+    if (arc.own_returns) arcs.back()["own_returns"] = true;
   }
   return json;
 }
@@ -139,7 +140,8 @@ Lidar row_model_from_json(JsonObject& object) {
     model.blind = object.objects("blind_arcs", [](JsonObject& arc) {
       return BlindArc{static_cast<int>(arc.integer("row", 0, std::numeric_limits<int>::max())),
                       arc.number("azimuth_first_rad"),
-                      arc.number("azimuth_last_rad")};
+                      arc.number("azimuth_last_rad"),
+                      arc.has("own_returns") && arc.boolean("own_returns")};
     });
   }
   validate(model, object.file());

@@ -127,9 +127,13 @@ Sweep read_recorded_sweep(const fs::path& file, const SweepShape& shape) {
   return sweep;
 }
 
-Sweep with_biases(Sweep sweep, const fs::path& file, const LidarModel& lidar) {
+Sweep as_measured(Sweep sweep, const fs::path& file, const LidarModel& lidar) {
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     if (sweep.range[i] == 0.0F) continue;
+    if (meets_own_vehicle(lidar, sweep.rays, i)) {
+      sweep.range[i] = sweep.intensity[i] = 0.0F;
+      continue;
+    }
     const float distance_m = distance_of(lidar, sweep.rays, i, sweep.range[i]);
     if (!(distance_m > 0.0F)) {
       refuse_value(file,
@@ -145,7 +149,7 @@ Sweep with_biases(Sweep sweep, const fs::path& file, const LidarModel& lidar) {
 }
 
 Sweep read_sweep(const fs::path& file, const LidarModel& lidar) {
-  return with_biases(read_recorded_sweep(file, sweep_shape(lidar)), file, lidar);
+  return as_measured(read_recorded_sweep(file, sweep_shape(lidar)), file, lidar);
 }
 
 void write_sweep(const fs::path& file, const Sweep& sweep) {

@@ -1,5 +1,5 @@
 #pragma once
-// The two halves of read_sweep(): what a file holds, and what a LiDAR's biases make of it.
+// The two halves of read_sweep(): what a file holds, and what a LiDAR's model makes of it.
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -17,7 +17,8 @@ struct SweepShape {
 
 /// Ranges as recorded. Error{kInput} as read_sweep().
 [[nodiscard]] Sweep read_recorded_sweep(const std::filesystem::path& file, const SweepShape& shape);
-/// Ranges as distances: without the rows' biases. Error{kInput} naming `file` when one is not above 0 then.
-[[nodiscard]] Sweep with_biases(Sweep recorded, const std::filesystem::path& file, const LidarModel& lidar);
+/// Ranges as distances: without the rows' biases, and without returns from the vehicle itself.
+/// Error{kInput} naming `file` when one is not above 0 then.
+[[nodiscard]] Sweep as_measured(Sweep recorded, const std::filesystem::path& file, const LidarModel& lidar);
 
 }  // namespace simuli

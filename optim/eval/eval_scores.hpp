@@ -51,8 +51,9 @@ struct PictureScore : FrameScore {
   double psnr_corrected_db = kNoNumber;
 };
 struct SweepScore : FrameScore {
-  SweepMetrics metrics;
+  SweepMetrics metrics;  // of rays that meet the world
   double expected_median_m = kNoNumber;
+  double share_own = kNoNumber;  // of all rays: meet the own vehicle
 };
 
 /// Means over frames. NaN where there is no such frame; a sweep whose value is NaN (nothing predicted,
@@ -65,6 +66,7 @@ struct EvalScores {
   double psnr_corrected_db = kNoNumber;           // once the best affine transform corrects each one's tint
   SweepMetrics lidar;                             // of best_distance()
   double distance_expected_median_m = kNoNumber;  // the same median error with expected distances alone
+  double share_own = kNoNumber;                   // of the rays: meet the own vehicle, not compared
   /// Of the log's actors alone, NaN without any: PSNR of all pixels that look at their boxes (pooled over the
   /// pictures, whatever the scene makes of them), median |d^ - d| of the returns inside, and the share of
   /// those rays that return from the same place in the scene (is_met()): of an actor that was taken away, its

@@ -107,6 +107,7 @@ void ScoreSums::add(const SweepScore& score, const ErrorPools& pools) {
   ++sweeps_;
   for (std::size_t m = 0; m < kMetrics.size(); ++m) sweep_means_[m].add(score.metrics.*kMetrics[m]);
   expected_.add(score.expected_median_m);
+  own_.add(score.share_own);
   pools_.add(pools);
 }
 
@@ -119,6 +120,7 @@ EvalScores ScoreSums::scores() const {
   out.psnr_corrected_db = psnr_corrected_.value();
   for (std::size_t m = 0; m < kMetrics.size(); ++m) out.lidar.*kMetrics[m] = sweep_means_[m].value();
   out.distance_expected_median_m = expected_.value();
+  out.share_own = own_.value();
   out.sweeps_without_chamfer = left_out(sweep_means_, &SweepMetrics::chamfer_m);
   out.sweeps_without_distance = left_out(sweep_means_, &SweepMetrics::distance_median_m);
   out.sweeps_without_drops = left_out(sweep_means_, &SweepMetrics::drop_recall);

@@ -56,10 +56,9 @@ double way_out_m(const Eigen::Vector3d& p, const Eigen::Vector3d& d, double side
 template <class Visit>
 void each_ray(const PosedSweep& posed, const Visit& visit) {
   const Sweep& sweep = posed.sweep;
-  const auto* const lidar = std::get_if<Lidar>(&posed.lidar);
   parallel_ranges(sweep.range.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      if (lidar != nullptr && sweep.range[i] == 0.0F && is_blind(*lidar, i, sweep.rays.azimuth[i])) continue;
+      if (is_blind(posed.lidar, sweep.rays, i)) continue;
       const Pose scene_from_lidar =
           interpolate(posed.scene_from_lidar_start, posed.scene_from_lidar_end, sweep.rays.time_fraction[i]);
       const Eigen::Vector3d origin = scene_from_lidar * ray_origin(posed.lidar, sweep.rays, i);

@@ -87,7 +87,6 @@ void DarkSurfaces::add_ray(std::size_t actor,
 
 void DarkSurfaces::add(const PosedSweep& posed, double time_start_s, double time_end_s) {
   const Sweep& sweep = posed.sweep;
-  const auto* const lidar = std::get_if<Lidar>(&posed.lidar);
   const double duration_s = time_end_s - time_start_s;
   for (std::size_t a = 0; a < actors_.size(); ++a) {
     if (!actors_[a].is_there(time_start_s) && !actors_[a].is_there(time_end_s)) continue;
@@ -105,7 +104,7 @@ void DarkSurfaces::add(const PosedSweep& posed, double time_start_s, double time
       const Eigen::Vector3d to = middle - origin;
       if (direction.dot(to) < -reach_m || direction.cross(to).squaredNorm() > reach_m * reach_m) continue;
       if (!actors_[a].is_there(time_start_s + share * duration_s)) continue;
-      if (lidar != nullptr && sweep.range[i] == 0.0F && is_blind(*lidar, i, sweep.rays.azimuth[i])) continue;
+      if (is_blind(posed.lidar, sweep.rays, i)) continue;
       const double time_s = time_start_s + share * duration_s;
       add_ray(a, scene_from_actor(actors_[a], time_s, scene_origin_), origin, direction, sweep.range[i]);
     }

@@ -49,7 +49,7 @@ class PassingRays {
       const std::size_t i = row * static_cast<std::size_t>(lidar_.columns) + static_cast<std::size_t>(at);
       if (!fires(lidar_, i)) continue;
       const auto ray_m = static_cast<double>(posed_.sweep.range[i]);
-      if (ray_m > 0.0 ? ray_m < range_m + margin_m : is_blind(lidar_, i, posed_.sweep.rays.azimuth[i])) {
+      if (ray_m > 0.0 ? ray_m < range_m + margin_m : is_blind(posed_.lidar, posed_.sweep.rays, i)) {
         return false;
       }
     }

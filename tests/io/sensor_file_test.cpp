@@ -101,7 +101,7 @@ TEST(LidarFile, BlindArcsRoundTrip) {
   const Scratch scratch;
   LidarFile file = some_file();
   auto& model = std::get<Lidar>(file.model);
-  model.blind = {{0, 0.1, 0.2}, {0, 3.0, 6.25}, {1, 0.0, 0.5}};
+  model.blind = {{0, 0.1, 0.2}, {0, 3.0, 6.25, true}, {1, 0.0, 0.5}};
   const LidarFile read = read_lidar_file(scratch.file("sensor.json", to_json(file).dump()));
   const std::vector<BlindArc>& arcs = std::get<Lidar>(read.model).blind;
   ASSERT_EQ(arcs.size(), 3U);
@@ -109,6 +109,7 @@ TEST(LidarFile, BlindArcsRoundTrip) {
     EXPECT_EQ(arcs[i].row, model.blind[i].row);
     EXPECT_EQ(arcs[i].azimuth_first, model.blind[i].azimuth_first);
     EXPECT_EQ(arcs[i].azimuth_last, model.blind[i].azimuth_last);
+    EXPECT_EQ(arcs[i].own_returns, model.blind[i].own_returns);
   }
 }
 

@@ -145,7 +145,10 @@ bool fires(const Lidar& lidar, std::size_t ray) {
 }
 
 bool is_blind(const Lidar& lidar, std::size_t ray, double azimuth) {
-  if (!fires(lidar, ray)) return true;
+  return !fires(lidar, ray) || blind_arc_of(lidar, ray, azimuth) != nullptr;
+}
+
+const BlindArc* blind_arc_of(const Lidar& lidar, std::size_t ray, double azimuth) {
   const int row = static_cast<int>(ray / static_cast<std::size_t>(lidar.columns));
   const double turn = azimuth - 2.0 * std::numbers::pi * std::floor(azimuth / (2.0 * std::numbers::pi));
   // The last arc that begins at or before the ray is the only one that can hold it.
@@ -153,9 +156,9 @@ bool is_blind(const Lidar& lidar, std::size_t ray, double azimuth) {
       lidar.blind.begin(), lidar.blind.end(), turn, [row](double angle, const BlindArc& arc) {
         return arc.row > row || (arc.row == row && arc.azimuth_first > angle);
       });
-  if (behind == lidar.blind.begin()) return false;
+  if (behind == lidar.blind.begin()) return nullptr;
   const BlindArc& arc = *std::prev(behind);
-  return arc.row == row && turn <= arc.azimuth_last;
+  return arc.row == row && turn <= arc.azimuth_last ? &arc : nullptr;
 }
 
 }  // namespace simuli

@@ -32,6 +32,7 @@ struct BlindArc {
   int row = 0;
   double azimuth_first = 0.0;  // rad, 0 to 2 pi
   double azimuth_last = 0.0;   // rad, azimuth_first to 2 pi
+  bool own_returns = false;    // recorded from there are returns, of the vehicle itself; else none ever are
 
   bool operator==(const BlindArc&) const = default;
 };
@@ -101,5 +102,8 @@ struct LidarRays {
 /// Whether nothing can return from a ray (row-major) at `azimuth` (rad, any turn): its beam does not fire in that
 /// column, or into a blind arc.
 [[nodiscard]] bool is_blind(const Lidar& lidar, std::size_t ray, double azimuth);
+
+/// The blind arc that a ray (row-major) at `azimuth` (rad, any turn) is in; none: nullptr.
+[[nodiscard]] const BlindArc* blind_arc_of(const Lidar& lidar, std::size_t ray, double azimuth);
 
 }  // namespace simuli

@@ -59,6 +59,19 @@ Eigen::Vector3d ray_origin(const LidarModel& model, const LidarRays& rays, std::
   return std::get<Lidar>(model).origin(row, static_cast<double>(rays.azimuth[ray]));
 }
 
+bool is_blind(const LidarModel& model, const LidarRays& rays, std::size_t ray) {
+  const auto* const lidar = std::get_if<Lidar>(&model);
+  return lidar != nullptr && lidar->has_blind() &&
+         is_blind(*lidar, ray, static_cast<double>(rays.azimuth[ray]));
+}
+
+bool meets_own_vehicle(const LidarModel& model, const LidarRays& rays, std::size_t ray) {
+  const auto* const lidar = std::get_if<Lidar>(&model);
+  if (lidar == nullptr || lidar->blind.empty()) return false;
+  const BlindArc* const arc = blind_arc_of(*lidar, ray, static_cast<double>(rays.azimuth[ray]));
+  return arc != nullptr && arc->own_returns;
+}
+
 float stated_range(const LidarModel& model, const LidarRays& rays, std::size_t ray, float distance_m) {
   return distance_m + range_bias(model, rays, ray);
 }

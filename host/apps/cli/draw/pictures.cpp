@@ -64,12 +64,6 @@ std::vector<std::size_t> drawing_order(const std::vector<float>& range) {
   return order;
 }
 
-bool meets_vehicle(const LidarModel& lidar, const LidarRays& rays, std::size_t ray) {
-  const auto* const rows = std::get_if<Lidar>(&lidar);
-  if (rows == nullptr || !rows->has_blind()) return false;
-  return is_blind(*rows, ray, static_cast<double>(rays.azimuth[ray]));
-}
-
 }  // namespace
 
 Image range_image(const LidarModel& lidar, const LidarRays& rays, const std::vector<float>& range) {
@@ -78,7 +72,7 @@ Image range_image(const LidarModel& lidar, const LidarRays& rays, const std::vec
   for (const std::size_t ray : drawing_order(range)) {
     if (range[ray] > 0.0F) {
       canvas.draw(ray, scale(range[ray]));
-    } else if (!meets_vehicle(lidar, rays, ray)) {
+    } else if (!is_blind(lidar, rays, ray)) {
       canvas.draw(ray, kNothing);
     }
   }
@@ -92,7 +86,7 @@ Image range_error_image(const LidarModel& lidar,
   SweepCanvas canvas(lidar, rays);
   for (const std::size_t ray : drawing_order(truth)) {
     const bool returns = range[ray] > 0.0F, returned = truth[ray] > 0.0F;
-    if (!returns && !returned && meets_vehicle(lidar, rays, ray)) continue;
+    if (!returns && !returned && is_blind(lidar, rays, ray)) continue;
     std::array<float, 3> colour = kNothing;
     if (returns != returned) {
       colour = returned ? kDropped : kOfNothing;
