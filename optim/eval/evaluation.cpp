@@ -37,14 +37,15 @@ double time_render(const Device& device, const std::function<Frame()>& render, i
   return median(std::move(seconds));
 }
 
+/// Of the rays that meet the world.
 SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, const Shot& in_scene) {
   const LidarRays& rays = pair.recorded.rays;
-  const std::size_t count = pair.recorded.range.size();
   SweepComparison out;
-  out.truth_range = pair.recorded.range;
-  out.truth_intensity = pair.recorded.intensity;
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
+    if (meets_own_vehicle(lidar, rays, i)) continue;
     const RayResults& r = pair.simulated;
+    out.truth_range.push_back(pair.recorded.range[i]);
+    out.truth_intensity.push_back(pair.recorded.intensity[i]);
     out.range.push_back(best_distance(r, i));
     out.intensity.push_back(std::clamp(r.feature[0][i], 0.0F, 1.0F));
     out.drop.push_back(r.drop_probability(i));
@@ -78,10 +79,10 @@ bool same_path(const Trajectory& a, const Trajectory& b) {
                     });
 }
 
-/// The log as the scene knows it: its labels mended, its sensors, and for the log that it was trained on its path. Training may
-/// have learned better.
-Log as_known_by(const SceneFile& scene, bool trained_on, Log log) {
-  (void)mend_labels(log);  // training has said so
+/// The log as the scene knows it: its labels mended (told in `mended`), its sensors, and for the log that it was
+/// trained on its path. Training may have learned better.
+Log as_known_by(const SceneFile& scene, bool trained_on, Log log, std::vector<std::string>& mended) {
+  mended = mend_labels(log);
   if (trained_on && !same_path(scene.world_from_rig, log.world_from_rig)) {
     log = on_path(std::move(log), scene.world_from_rig);
   }
@@ -139,6 +140,7 @@ class Evaluation::Run {
         all_(kinds_) {
     report_.frames = of.frames_;
     report_.device = of.on_device_.device().info().label();
+    report_.warnings = of.mended_labels_;
   }
   [[nodiscard]] EvalReport run() && {
     const auto begin = std::chrono::steady_clock::now();
@@ -300,21 +302,24 @@ SweepScore Evaluation::Run::score_sweep(const SweepFrame& frame, ErrorPools& poo
   pool_rays(frame, pair, pools);
   const Shot in_scene = shot.relative_to(of_.scene_.scene.origin);
   SweepScore score;
-  score.metrics = compare_sweep(compare_rays(pair, of_.log_.lidar(frame.lidar).model, in_scene));
+  const SweepComparison compared = compare_rays(pair, of_.log_.lidar(frame.lidar).model, in_scene);
+  score.metrics = compare_sweep(compared);
+  score.share_own =
+      1.0 - static_cast<double>(compared.range.size()) / static_cast<double>(pair.recorded.range.size());
   score.expected_median_m = expected_median_m(pair);
   return score;
 }
 
 void Evaluation::Run::pool_rays(const SweepFrame& frame, const SweepPair& pair, ErrorPools& pools) const {
   const std::vector<float>& range = pair.recorded.range;
+  const LidarModel& lidar = of_.log_.lidar(frame.lidar).model;
   std::vector<int> on(range.size(), ActorBoxes::kNone);
   if (!actors_.empty()) {
-    on = returns_on_actors(boxes(shot_of(of_.log_, frame), SetKind::kLidar),
-                           of_.log_.lidar(frame.lidar).model,
-                           pair.recorded.rays,
-                           range);
+    on =
+        returns_on_actors(boxes(shot_of(of_.log_, frame), SetKind::kLidar), lidar, pair.recorded.rays, range);
   }
   for (std::size_t i = 0; i < range.size(); ++i) {
+    if (meets_own_vehicle(lidar, pair.recorded.rays, i)) continue;
     const bool drops = pair.simulated.drop_probability(i) > 0.5F;
     const float simulated = best_distance(pair.simulated, i);
     if (!(range[i] > 0.0F)) {
@@ -340,7 +345,8 @@ Evaluation::Evaluation(const Device& device, SceneFile scene, Log log, const Eva
     : scene_(std::move(scene)),
       options_(checked(options)),
       frames_(select_eval_frames(log, scene_, options)),
-      log_(as_known_by(scene_, scene_.training && frames_.kind != FrameKind::kOtherLog, std::move(log))),
+      log_(as_known_by(
+          scene_, scene_.training && frames_.kind != FrameKind::kOtherLog, std::move(log), mended_labels_)),
       on_device_(device, borrowed(scene_.scene), options.render) {}
 
 Camera Evaluation::camera(const ImageFrame& frame) const {

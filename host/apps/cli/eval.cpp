@@ -52,6 +52,7 @@ void eval(EvalCommand command, const Globals& globals) {
   std::optional<EvalSupport> support;  // first: a scene may have none, and be refused
   if (command.support) support = eval_support(evaluation);
   const EvalReport report = run_evaluation(evaluation, globals);
+  for (const std::string& line : report.warnings) std::cerr << "simuli: warning: " << line << '\n';
   if (!command.report.empty()) {
     write_report(command.report,
                  {.title = fmt::format("simuli eval: {} on {}", command.scene, command.log),

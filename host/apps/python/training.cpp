@@ -57,6 +57,7 @@ void put_scores(py::dict& out, const EvalScores& r) {
   out["psnr_corrected_db"] = r.psnr_corrected_db;
   out["distance_median_m"] = r.lidar.distance_median_m;
   out["distance_expected_median_m"] = r.distance_expected_median_m;
+  out["share_own"] = r.share_own;
   out["medl2_m2"] = r.lidar.medl2_m2;
   out["mean_rel_l2"] = r.lidar.mean_rel_l2;
   out["intensity_rmse"] = r.lidar.intensity_rmse;
@@ -117,6 +118,7 @@ py::dict evaluate(const std::filesystem::path& scene,
   out["held_out_sensors"] = r.frames.asked.held_out_sensors;
   out["image_scale"] = r.frames.asked.image_scale;
   put_scores(out, r);
+  out["warnings"] = r.warnings;
   const auto part = [](const std::optional<EvalScores>& scores) -> py::object {
     if (!scores) return py::none();
     py::dict of_part;

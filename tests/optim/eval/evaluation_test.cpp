@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <variant>
 
@@ -296,6 +297,54 @@ TEST_F(EvaluationTest, SensorsAreWhereTheSceneHasThem) {
   const EvalReport found = Evaluation(test::device(), scene, wrong, kFull).run();
   EXPECT_EQ(found.psnr_db, expected.psnr_db);
   EXPECT_EQ(found.lidar.distance_median_m, expected.lidar.distance_median_m);
+}
+
+TEST_F(EvaluationTest, TheOwnVehicleIsNotCompared) {
+  SceneFile scene = test::file_of(log_, initial_scene());
+  const EvalReport whole = Evaluation(test::device(), scene, log_, kFull).run();
+  EXPECT_EQ(whole.share_own, 0.0);
+  const auto returns_of = [](const EvalReport& report) {
+    std::size_t sum = 0;
+    for (const RangeScores& range : report.ranges) sum += range.returns + range.returns_of_nothing;
+    return sum;
+  };
+  Lidar& lidar = std::get<Lidar>(scene.lidars[0].model);
+  const double turn = 2.0 * std::numbers::pi;
+  const int last = static_cast<int>(lidar.rows.size()) - 1;  // sees the ground, all around
+  lidar.blind.push_back({last, 0.0, turn});
+  const EvalReport dark = Evaluation(test::device(), scene, log_, kFull).run();  // nothing returns, it says
+  EXPECT_EQ(dark.share_own, 0.0);
+  EXPECT_NE(dark.lidar.raydrop_accuracy, whole.lidar.raydrop_accuracy);  // it is asked
+  lidar.blind[0].own_returns = true;
+  Evaluation blind(test::device(), scene, log_, kFull);
+  const EvalReport report = blind.run();
+  EXPECT_NEAR(report.share_own, 1.0 / static_cast<double>(lidar.rows.size()), 1e-12);
+  EXPECT_LE(returns_of(report), returns_of(whole) - static_cast<std::size_t>(lidar.columns) / 2);
+  EXPECT_NEAR(report.lidar.raydrop_accuracy, whole.lidar.raydrop_accuracy, 0.1);
+  // Nor does a reader of the log as the scene knows it see them.
+  const LidarPair pair = blind.sweep(4);
+  for (std::size_t i = pair.recorded.range.size() - static_cast<std::size_t>(lidar.columns);
+       i < pair.recorded.range.size();
+       ++i) {
+    ASSERT_EQ(pair.recorded.range[i], 0.0F) << i;
+    ASSERT_EQ(pair.recorded.intensity[i], 0.0F) << i;
+  }
+}
+
+TEST_F(EvaluationTest, LabelsThatCannotBeAreTold) {
+  const SceneFile scene = test::file_of(log_, initial_scene());
+  Log log = log_;
+  Actor car{"taxi", "car", Eigen::Vector3d(4.0, 2.0, 1.5), {}};
+  for (int i = 0; i < 10; ++i) {
+    car.track.push_back({0.1 * i, {Eigen::Quaterniond::Identity(), {20.0 + i, 5.0, 1.0}}});
+  }
+  log.actors = {car};
+  EXPECT_TRUE(Evaluation(test::device(), scene, log, kFull).run().warnings.empty());
+  log.actors[0].track[5].world_from_actor.rotation =
+      Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ());
+  const std::vector<std::string> warnings = Evaluation(test::device(), scene, log, kFull).run().warnings;
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_NE(warnings[0].find("taxi"), std::string::npos) << warnings[0];
 }
 
 TEST_F(EvaluationTest, RangeBiasesOfTheSceneCorrectRangesAndAreStatedAgain) {

@@ -269,6 +269,8 @@ std::vector<MetricLine> metric_lines(const EvalReport& r) {
   line("  drops that are right",
        number_text(l.drop_precision * 100.0, 2),
        share_of("% of rays said to drop", l.drop_precision));
+  if (r.share_own > 0.0)
+    line("rays on the own vehicle, left out", number_text(r.share_own * 100.0, 2), "% of rays");
   line("Chamfer, squared", number_text(l.chamfer_m2, 4), "m^2");
   line("Chamfer, mean of both ways", number_text(l.chamfer_m, 4), "m");
   if (r.actor_pixels + r.actor_returns > 0) {
@@ -306,6 +308,7 @@ void print_eval(const EvalReport& r, const SceneFile& scene, bool json, const Ev
                     {"image_height_px", r.image_height},
                     {"device", r.device},
                     {"seconds", r.seconds},
+                    {"warnings", r.warnings},
                     {"training", scene.training ? to_json(*scene.training) : Json()}});
     if (support != nullptr) out["support"] = json_of(*support);
     std::cout << json_text(out) << '\n';
