@@ -176,30 +176,6 @@ bool meet_plate(const StreetSolid& solid,
   return true;
 }
 
-/// Walks the slices of the street that the ray crosses, nearest first.
-const StreetSolid* meet_slices(const StreetWorld& world,
-                               const Vector3d& origin,
-                               const Vector3d& direction,
-                               const Vector3d& inverse,
-                               StreetCrossing& nearest) {
-  const StreetSolid* met = nullptr;
-  const int last = static_cast<int>(world.slices.size()) - 1;
-  const double start = (origin.x() - StreetWorld::kFirstSlice_m) / StreetWorld::kSliceLength_m;
-  int slice = static_cast<int>(std::clamp(std::floor(start), 0.0, static_cast<double>(last)));
-  const int step = direction.x() > 0.0 ? 1 : -1;
-  while (slice >= 0 && slice <= last) {
-    for (const std::uint32_t i : world.slices[static_cast<std::size_t>(slice)]) {
-      if (meet_solid(world.solids[i], origin, direction, inverse, nearest)) met = &world.solids[i];
-    }
-    if (direction.x() == 0.0) break;
-    const double edge =
-        StreetWorld::kFirstSlice_m + StreetWorld::kSliceLength_m * (slice + (step > 0 ? 1 : 0));
-    if ((edge - origin.x()) * inverse.x() >= nearest.range) break;
-    slice += step;
-  }
-  return met;
-}
-
 }  // namespace
 
 bool meet_solid(const StreetSolid& solid,
@@ -270,9 +246,7 @@ StreetHit Street::trace(const Vector3d& origin,
       hit.on_car = true;
     }
   }
-  const StreetSolid* nearer = world_->index
-                                  ? world_->index->meet(world_->solids, origin, direction, inverse, nearest)
-                                  : meet_slices(*world_, origin, direction, inverse, nearest);
+  const StreetSolid* nearer = world_->index.meet(world_->solids, origin, direction, inverse, nearest);
   if (nearer != nullptr) {
     met = nearer;
     solid_from_world.setZero();

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "io/synth/street.hpp"
 
@@ -76,21 +75,6 @@ void add_thin_poles(std::vector<StreetSolid>& to, std::uint64_t seed) {
       const Eigen::Vector3d foot(x + dice.between(-0.5, 0.5), side * 5.7, kKerbHeight_m);
       to.push_back(
           pole(StreetMaterial::kMetal, foot, 2.5, dice.between(0.008, 0.02), {0.50, 0.51, 0.52}, 0.45));
-    }
-  }
-}
-
-void sort_into_slices(StreetWorld& world) {
-  double end_m = kStreetEnd_m;
-  for (const StreetSolid& solid : world.solids) end_m = std::max(end_m, solid.high.x());
-  const auto slice_of = [&](double x) {
-    const double slice = std::floor((x - StreetWorld::kFirstSlice_m) / StreetWorld::kSliceLength_m);
-    return static_cast<std::size_t>(std::max(slice, 0.0));
-  };
-  world.slices.resize(slice_of(end_m) + 1);
-  for (std::size_t i = 0; i < world.solids.size(); ++i) {
-    for (std::size_t s = slice_of(world.solids[i].low.x()); s <= slice_of(world.solids[i].high.x()); ++s) {
-      world.slices[s].push_back(static_cast<std::uint32_t>(i));
     }
   }
 }
@@ -200,12 +184,8 @@ StreetWorld build_street_world(const StreetContents& contents) {
   for (StreetSolid& solid : world.ground) solid.centre.setZero();
   if (contents.car) add_street_car(world.car, Eigen::Vector3d::Zero(), {0.88, 0.62, 0.10});
   world.detail = contents.detail;
-  if (world.detail != nullptr) {
-    world.detail->add(world);
-    world.index.emplace(world.solids);
-  } else {
-    sort_into_slices(world);
-  }
+  if (world.detail != nullptr) world.detail->add(world);
+  world.index = StreetIndex(world.solids);
   return world;
 }
 

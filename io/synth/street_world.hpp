@@ -5,7 +5,6 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <random>
 #include <vector>
 
@@ -111,19 +110,14 @@ struct StreetDetail {
                            double footprint_m);
 };
 
-/// All solids that stand still, sorted into slices of the street along x, and the moving car in its own frame
-/// (origin under its middle, x forward).
+/// All solids that stand still, and the moving car in its own frame (origin under its middle, x forward).
 struct StreetWorld {
   std::uint64_t seed = 0;
   std::vector<StreetSolid> ground;  // as long as the street: tested for every ray
   std::vector<StreetSolid> solids;
-  std::vector<std::vector<std::uint32_t>> slices;  // indices into solids
-  std::vector<StreetSolid> car;                    // empty: no moving car
+  StreetIndex index{{}};         // of them
+  std::vector<StreetSolid> car;  // empty: no moving car
   const StreetDetail* detail = nullptr;
-  std::optional<StreetIndex> index;  // instead of slices, where there is detail: many solids
-
-  static constexpr double kSliceLength_m = 8.0;
-  static constexpr double kFirstSlice_m = -64.0;
 };
 
 inline constexpr double kRoadHalfWidth_m = 5.5;  // two driving lanes and two parking lanes

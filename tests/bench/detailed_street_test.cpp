@@ -38,7 +38,6 @@ TEST(DetailedStreet, PicturesAndSweepsAreTheSameAgainAndByAnyThreads) {
 
 TEST(DetailedStreet, IndexFindsWhatTestingEverySolidFinds) {
   const StreetWorld world = build_street_world({.detail = &detailed_street()});
-  ASSERT_TRUE(world.index.has_value());
   EXPECT_GT(world.solids.size(), 5000U);
   int met = 0;
   for (int i = 0; i < 1500; ++i) {
@@ -49,7 +48,7 @@ TEST(DetailedStreet, IndexFindsWhatTestingEverySolidFinds) {
     for (const StreetSolid& solid : world.solids) {
       (void)meet_solid(solid, ray.origin, ray.direction, inverse, all);
     }
-    const StreetSolid* solid = world.index->meet(world.solids, ray.origin, ray.direction, inverse, found);
+    const StreetSolid* solid = world.index.meet(world.solids, ray.origin, ray.direction, inverse, found);
     EXPECT_EQ(found.range, all.range) << i;
     EXPECT_EQ(solid != nullptr, all.range < 200.0);
     met += solid != nullptr ? 1 : 0;
@@ -180,11 +179,11 @@ TEST(DetailedStreet, LidarMeetsThinThings) {
                                                       static_cast<double>(sweep.rays.elevation[i])))
             .normalized();
     StreetCrossing at;
-    const StreetSolid* solid = world.index->meet(world.solids,
-                                                 world_from_lidar * ray_origin(lidar.model, sweep.rays, i),
-                                                 direction,
-                                                 direction.cwiseInverse(),
-                                                 at);
+    const StreetSolid* solid = world.index.meet(world.solids,
+                                                world_from_lidar * ray_origin(lidar.model, sweep.rays, i),
+                                                direction,
+                                                direction.cwiseInverse(),
+                                                at);
     if (solid == nullptr || std::abs(at.range - static_cast<double>(sweep.range[i])) > 1e-3) continue;
     const bool is_long = solid->shape == StreetShape::kPole || solid->shape == StreetShape::kRod;
     thin += is_long && solid->radius < 0.04 ? 1 : 0;
