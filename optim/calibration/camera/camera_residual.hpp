@@ -7,17 +7,25 @@
 
 namespace simuli::calibration {
 
+/// A camera, which must outlive it, whose lens's constants are Jets: 10 kB that no point makes anew.
+struct JetCamera {
+  explicit JetCamera(const Camera& a_camera)
+      : camera(a_camera), lens(lens_jets::constants_of(a_camera.lens)) {}
+  const Camera& camera;
+  lens_jets::Constants lens;
+};
+
 /// Pixel of a point in the camera's frame with its derivatives [2 x 3]; false where it has none.
-inline bool pixel_of(const Camera& camera,
+inline bool pixel_of(const JetCamera& jets,
                      const Eigen::Vector3d& p_camera,
                      Eigen::Vector2d& pixel,
                      Eigen::Matrix<double, 2, 3>& slope) {
   using lens_jets::F;
-  const lens_jets::Constants lens = lens_jets::constants_of(camera.lens);
+  const Camera& camera = jets.camera;
   F u(0.0);
   F v(0.0);
   const bool valid = lens_jets::project(
-      camera.lens.kind(), lens, F(p_camera.x(), 0), F(p_camera.y(), 1), F(p_camera.z(), 2), u, v);
+      camera.lens.kind(), jets.lens, F(p_camera.x(), 0), F(p_camera.y(), 1), F(p_camera.z(), 2), u, v);
   if (!valid) return false;
   pixel = {camera.fx * u.a + camera.cx, camera.fy * v.a + camera.cy};
   slope.row(0) = camera.fx * u.v.head<3>().transpose();
@@ -27,7 +35,7 @@ inline bool pixel_of(const Camera& camera,
 
 /// The same for a point of Jets: the chain rule by hand, through the one text of the lenses.
 template <int N>
-bool pixel_of(const Camera& camera, const ceres::Jet<double, N>* p_camera, ceres::Jet<double, N>* pixel) {
+bool pixel_of(const JetCamera& camera, const ceres::Jet<double, N>* p_camera, ceres::Jet<double, N>* pixel) {
   Eigen::Vector2d value;
   Eigen::Matrix<double, 2, 3> slope;
   if (!pixel_of(camera, {p_camera[0].a, p_camera[1].a, p_camera[2].a}, value, slope)) return false;
@@ -38,9 +46,9 @@ bool pixel_of(const Camera& camera, const ceres::Jet<double, N>* p_camera, ceres
   return true;
 }
 
-inline bool pixel_of(const Camera& camera, const double* p_camera, double* pixel) {
+inline bool pixel_of(const JetCamera& jets, const double* p_camera, double* pixel) {
   Eigen::Vector2d value;
-  if (!camera.project({p_camera[0], p_camera[1], p_camera[2]}, value)) return false;
+  if (!jets.camera.project({p_camera[0], p_camera[1], p_camera[2]}, value)) return false;
   pixel[0] = value.x();
   pixel[1] = value.y();
   return true;
@@ -50,7 +58,7 @@ inline bool pixel_of(const Camera& camera, const double* p_camera, double* pixel
 /// mounted by (rotation, translation) = rig_from_camera; the rig is at share u of the way from pose 0 to pose
 /// 1 at the pixel's recorded time, and time_offset later (or earlier) when the clock is off.
 struct PointOnLine {
-  const Camera* camera;
+  const JetCamera* camera;
   Eigen::Vector3d p_world;
   TimedPose from;
   TimedPose to;

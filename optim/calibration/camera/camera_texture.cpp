@@ -53,7 +53,12 @@ class TextureProblem {
                  const Trajectory& path,
                  const std::vector<SurfacePoint>& points,
                  double cell_px)
-      : views_(views), camera_(camera), path_(path), points_(points), cell_px_(cell_px) {}
+      : views_(views),
+        camera_(camera),
+        jet_camera_(camera),
+        path_(path),
+        points_(points),
+        cell_px_(cell_px) {}
 
   void blur(double blur_px) {
     blur_px_ = blur_px;
@@ -115,7 +120,7 @@ class TextureProblem {
       Vector2d pixel;
       Vector2d gradient;
       Eigen::Matrix<double, 2, 3> by_place;
-      if (!pixel_of(camera_, seen.position, pixel, by_place)) return {};
+      if (!pixel_of(jet_camera_, seen.position, pixel, by_place)) return {};
       luminance[k] = pictures_[piece.view]->at(pixel, gradient);
       intensity[k] = static_cast<double>(point.intensity);
       slope.row(k) = gradient.transpose() * by_place * seen.slope;
@@ -233,6 +238,7 @@ class TextureProblem {
 
   const std::vector<CameraView>& views_;
   const Camera& camera_;
+  JetCamera jet_camera_;
   const Trajectory& path_;
   const std::vector<SurfacePoint>& points_;
   double cell_px_;

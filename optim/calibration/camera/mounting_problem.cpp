@@ -65,6 +65,7 @@ EdgeMatcher::EdgeMatcher(const std::vector<CameraView>& views,
                          const CameraPoseOptions& options)
     : views_(views),
       camera_(camera),
+      jet_camera_(camera.model),
       path_(world_from_rig),
       edges_(edges),
       least_strength_(options.least_strength),
@@ -142,7 +143,7 @@ Match EdgeMatcher::find_one(std::size_t v, std::size_t e, const MountingState& s
   match.found = true;
   const std::vector<TimedPose>& knots = path_.poses();
   const std::size_t segment = segment_of(knots, time_s + state.time_offset_s);
-  match.line = {&model,
+  match.line = {&jet_camera_,
                 p_world,
                 knots[segment],
                 knots[segment + 1],

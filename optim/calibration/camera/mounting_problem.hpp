@@ -50,6 +50,7 @@ class EdgeMatcher {
 
   const std::vector<CameraView>& views_;
   const LogCamera& camera_;
+  JetCamera jet_camera_;
   const Trajectory& path_;
   const std::vector<DepthEdge>& edges_;
   double least_strength_;

@@ -110,7 +110,8 @@ TEST_P(Derivatives, OfAPointOnALineInEveryLens) {
     const TimedPose to{10.1, end_};
     const double time_s = 10.03;
     const Pose world_from_rig = interpolate(start_, end_, 0.34);
-    const PointOnLine residual{&camera,
+    const JetCamera jet_camera(camera);
+    const PointOnLine residual{&jet_camera,
                                world_from_rig * rig_from_camera * p_camera,
                                from,
                                to,
