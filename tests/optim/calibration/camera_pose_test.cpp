@@ -17,6 +17,10 @@ struct Recording {
   LidarScene scene;
 };
 
+Image picture_of(const test::StreetDrive& drive, const LogCamera& camera, const ImageFrame& frame) {
+  return render_street(drive.street, camera, drive.log.world_from_rig, frame.time_start_s, frame.time_end_s);
+}
+
 /// Pictures, depth edges and surfaces of a drive; the pictures' recorded times are early by clock_error_s.
 Recording record(const test::StreetDrive& drive, double clock_error_s) {
   Recording out;
@@ -24,10 +28,9 @@ Recording record(const test::StreetDrive& drive, double clock_error_s) {
   std::vector<Returns> sweeps;
   for (std::size_t i = 0; i < log.images.size(); ++i) {
     const ImageFrame& frame = log.images[i];
-    const Image picture =
-        render_street(drive.street, log.cameras[0], log.world_from_rig, frame.time_start_s, frame.time_end_s);
-    out.views.push_back(
-        {Luminance(picture), frame.time_start_s - clock_error_s, frame.time_end_s - clock_error_s});
+    out.views.push_back({Luminance(picture_of(drive, log.cameras[0], frame)),
+                         frame.time_start_s - clock_error_s,
+                         frame.time_end_s - clock_error_s});
     const SweepFrame& frame_of_sweep = log.sweeps[i];
     const Sweep sweep = drive.sweep(i);
     const std::vector<DepthEdge> found =
@@ -110,42 +113,50 @@ TEST(CameraPose, ABlankWallIsRefused) {
   }
 }
 
-/// The drive's log with its pictures and sweeps on disk. `stripes_px`: how wide those are that are painted
-/// over the left eighth of each picture, where a mask hides them.
-Log with_pillar(const test::StreetDrive& drive, const test::Scratch& scratch, int stripes_px) {
+/// The drive's log with its pictures and sweeps on disk.
+Log written(const test::StreetDrive& drive, const test::Scratch& scratch) {
   Log log = drive.log;
-  log.folder = scratch / std::to_string(stripes_px);
-  const Camera& camera = log.cameras[0].model;
-  CameraMask mask{camera.width, camera.height, {}};
-  const int pillar = camera.width / 8;
-  for (int y = 0; y < camera.height; ++y) {
-    for (int x = 0; x < camera.width; ++x) mask.hidden.push_back(x < pillar ? 1 : 0);
-  }
-  log.hidden[camera.name] = std::make_shared<const CameraMask>(mask);
+  log.folder = scratch / "log";
   for (std::size_t i = 0; i < log.images.size(); ++i) {
-    const ImageFrame& frame = log.images[i];
-    Image picture =
-        render_street(drive.street, log.cameras[0], log.world_from_rig, frame.time_start_s, frame.time_end_s);
-    for (int y = 0; y < camera.height; ++y) {
-      for (int x = 0; x < pillar; ++x) {
-        const bool bright = (y / stripes_px + x / (2 * stripes_px)) % 2 == 0;
-        for (int c = 0; c < 3; ++c) picture.at(x, y, c) = bright ? 1.0F : 0.0F;
-      }
-    }
-    std::filesystem::create_directories((log.folder / frame.file).parent_path());
+    std::filesystem::create_directories((log.folder / log.images[i].file).parent_path());
     std::filesystem::create_directories((log.folder / log.sweeps[i].file).parent_path());
-    write_image(log.folder / frame.file, picture);
+    write_image(log.folder / log.images[i].file, picture_of(drive, log.cameras[0], log.images[i]));
     write_sweep(log.folder / log.sweeps[i].file, drive.sweep(i));
   }
   return log;
 }
 
+/// A mask that hides the left eighth of each picture.
+void mask_pillar(Log& log) {
+  const Camera& camera = log.cameras[0].model;
+  CameraMask mask{camera.width, camera.height, {}};
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) mask.hidden.push_back(x < camera.width / 8 ? 1 : 0);
+  }
+  log.hidden[camera.name] = std::make_shared<const CameraMask>(mask);
+}
+
+/// Paints stripes so wide over what that mask hides.
+void paint_pillar(const Log& log, int stripes_px) {
+  for (const ImageFrame& frame : log.images) {
+    Image picture = read_image(log.folder / frame.file);
+    for (int y = 0; y < picture.height; ++y) {
+      for (int x = 0; x < picture.width / 8; ++x) {
+        const bool bright = (y / stripes_px + x / (2 * stripes_px)) % 2 == 0;
+        for (int c = 0; c < 3; ++c) picture.at(x, y, c) = bright ? 1.0F : 0.0F;
+      }
+    }
+    write_image(log.folder / frame.file, picture);
+  }
+}
+
+CameraPoseReport pose_in(const Log& log) {
+  return find_camera_pose(log, log.cameras[0].model.name, name_of(log.lidars[0].model), log.world_from_rig);
+}
+
 TEST(CameraPose, WhatAMaskHidesMakesNoDifference) {
   const test::StreetDrive drive(8, 8.0, 0.6, 400);
   const test::Scratch scratch;
-  const auto pose = [](const Log& log) {
-    return find_camera_pose(log, log.cameras[0].model.name, name_of(log.lidars[0].model), log.world_from_rig);
-  };
   const auto same_bits = [](const CameraPoseReport& a, const CameraPoseReport& b) {
     return a.rig_from_camera.translation == b.rig_from_camera.translation &&
            a.rig_from_camera.rotation.coeffs() == b.rig_from_camera.rotation.coeffs() &&
@@ -155,52 +166,39 @@ TEST(CameraPose, WhatAMaskHidesMakesNoDifference) {
            a.texture_points == b.texture_points && a.texture_after == b.texture_after &&
            a.after_px == b.after_px;
   };
-  Log log = with_pillar(drive, scratch, 24);
-  const CameraPoseReport report = pose(log);
+  Log log = written(drive, scratch);
+  mask_pillar(log);
+  paint_pillar(log, 24);
+  const CameraPoseReport report = pose_in(log);
   EXPECT_GT(report.pieces, 50U);
   EXPECT_LT(report.translation_change_m.norm(), 0.02) << report.translation_change_m.transpose();
-  EXPECT_TRUE(same_bits(report, pose(with_pillar(drive, scratch, 5))));
+  paint_pillar(log, 5);
+  EXPECT_TRUE(same_bits(report, pose_in(log)));
   log.hidden.clear();
-  const CameraPoseReport open = pose(log);
+  const CameraPoseReport open = pose_in(log);
   EXPECT_FALSE(same_bits(report, open));
   EXPECT_GT(open.edges, report.edges);
-}
-
-/// The drive's log on disk, whose later half of the pictures is of a camera that is turned by so much.
-Log with_halves(const test::StreetDrive& drive, const test::Scratch& scratch, double later_rad) {
-  Log log = drive.log;
-  log.folder = scratch / std::to_string(later_rad);
-  for (std::size_t i = 0; i < log.images.size(); ++i) {
-    LogCamera camera = log.cameras[0];
-    if (2 * i >= log.images.size())
-      camera.rig_from_camera.rotation =
-          camera.rig_from_camera.rotation * Eigen::AngleAxisd(later_rad, Eigen::Vector3d::UnitY());
-    const ImageFrame& frame = log.images[i];
-    std::filesystem::create_directories((log.folder / frame.file).parent_path());
-    std::filesystem::create_directories((log.folder / log.sweeps[i].file).parent_path());
-    write_image(
-        log.folder / frame.file,
-        render_street(drive.street, camera, log.world_from_rig, frame.time_start_s, frame.time_end_s));
-    write_sweep(log.folder / log.sweeps[i].file, drive.sweep(i));
-  }
-  return log;
 }
 
 TEST(CameraPose, IsToldTwiceByTheHalvesOfADrive) {
   const test::StreetDrive drive(16, 8.0, 0.6, 240);
   const test::Scratch scratch;
-  const auto pose = [](const Log& log) {
-    return find_camera_pose(log, log.cameras[0].model.name, name_of(log.lidars[0].model), log.world_from_rig);
-  };
-  const CameraPoseReport report = pose(with_halves(drive, scratch, 0.0));
+  const Log log = written(drive, scratch);
+  const CameraPoseReport report = pose_in(log);
   ASSERT_TRUE(report.halves_apart_m && report.halves_apart_rad);
   EXPECT_LT(report.halves_apart_rad->norm(), 0.2 * kDegree);
   for (int k = 0; k < 3; ++k) {
     EXPECT_GE(report.translation_sigma_m[k], 0.5 * std::abs((*report.halves_apart_m)[k]));
     EXPECT_GE(report.rotation_sigma_rad[k], 0.5 * std::abs((*report.halves_apart_rad)[k]));
   }
+  // The pictures of the later half from a camera that has been turned by a degree.
+  LogCamera turned = log.cameras[0];
+  turned.rig_from_camera.rotation =
+      turned.rig_from_camera.rotation * Eigen::AngleAxisd(kDegree, Eigen::Vector3d::UnitY());
+  for (std::size_t i = log.images.size() / 2; i < log.images.size(); ++i)
+    write_image(log.folder / log.images[i].file, picture_of(drive, turned, log.images[i]));
   try {
-    (void)pose(with_halves(drive, scratch, kDegree));
+    (void)pose_in(log);
     FAIL() << "accepted";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kNumeric);
@@ -212,10 +210,10 @@ TEST(CameraPose, IsToldTwiceByTheHalvesOfADrive) {
 TEST(CameraPose, APictureOfAnotherSizeIsRefused) {
   const test::StreetDrive drive(2, 8.0, 0.6);
   const test::Scratch scratch;
-  Log log = with_pillar(drive, scratch, 24);
+  const Log log = written(drive, scratch);
   write_image(log.folder / log.images[1].file, Image(160, 90, 3));
   try {
-    (void)find_camera_pose(log, log.cameras[0].model.name, name_of(log.lidars[0].model), log.world_from_rig);
+    (void)pose_in(log);
     FAIL() << "accepted";
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::kInput);
