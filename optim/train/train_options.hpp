@@ -83,6 +83,8 @@ constexpr void visit_fields(LookOptions& o, F&& field) {
 struct DepthOptions {
   double weight = 0.1;
   int every = 2;  // iterations per sweep; each would take twice the time of it: not measured
+  /// Of a sweep, of which one is taken at a time.
+  static constexpr std::size_t kSectors = 4;
 };
 template <class F>
 constexpr void visit_fields(DepthOptions& o, F&& field) {

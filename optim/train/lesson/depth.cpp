@@ -1,7 +1,9 @@
 // The camera set along the LiDARs' rays: pictures alone leave open how far away what they show is.
 #include <algorithm>
 #include <utility>
+#include <vector>
 
+#include "io/log/sweep_file.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/train/lesson/lesson.hpp"
 
@@ -22,13 +24,29 @@ class DepthLesson final : public Lesson {
   [[nodiscard]] ShownShard show(std::size_t shard, RealBuffer& error) override;
 };
 
+/// The rays of one of DepthOptions::kSectors parts of a sweep: neighbouring columns, so that most particles meet
+/// none of them.
+SensorRays sector_of(const SensorRays& rays, std::size_t columns, std::size_t sector) {
+  std::vector<bool> inside(rays.grid().rays);
+  for (std::size_t ray = 0; ray < inside.size(); ++ray) {
+    inside[ray] = ray % columns * DepthOptions::kSectors / columns == sector;
+  }
+  return rays.requested(std::move(inside));
+}
+
 ShownShard DepthLesson::show(std::size_t shard, RealBuffer& /*error*/) {
   const DepthOptions& o = state_.options.depth;
-  const std::size_t index = frame_of(state_.sweeps, state_.status.iteration / o.every, shard);
+  const int turn = state_.status.iteration / o.every;
+  const std::size_t index = frame_of(state_.sweeps, turn, shard);
+  const SweepFrame& frame = state_.log.sweeps[index];
   const auto truth = state_.truth.sweep(index);
-  Pass pass = state_.renderer.render(
-      set_.particles, truth->truth.rays(), view_of(state_.log, state_.scene, state_.log.sweeps[index]));
-  const double returned = std::max(1.0, static_cast<double>(truth->returned));
+  // From one time that a sweep is taken to the next its sectors come one by one.
+  const std::size_t epoch = (static_cast<std::size_t>(turn) * shard_count() + shard) / state_.sweeps.size();
+  const SensorRays rays = sector_of(truth->truth.rays(),
+                                    sweep_shape(state_.truth.lidar(frame.lidar)).columns,
+                                    (epoch + index) % DepthOptions::kSectors);
+  Pass pass = state_.renderer.render(set_.particles, rays, view_of(state_.log, state_.scene, frame));
+  const double returned = std::max(1.0, static_cast<double>(truth->returned) / DepthOptions::kSectors);
   const LidarLoss loss = pass.lidar_loss(truth->truth, {.distance = o.weight / returned});
   return particles_alone(std::move(pass), loss.distance_m);
 }
