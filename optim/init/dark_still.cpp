@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <unordered_map>
-#include <variant>
 
 #include "host/core/base/parallel.hpp"
 #include "host/device/render/scene/actor_boxes.hpp"
@@ -59,11 +58,7 @@ void each_ray(const PosedSweep& posed, const Visit& visit) {
   parallel_ranges(sweep.range.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (is_blind(posed.lidar, sweep.rays, i)) continue;
-      const Pose scene_from_lidar =
-          interpolate(posed.scene_from_lidar_start, posed.scene_from_lidar_end, sweep.rays.time_fraction[i]);
-      const Eigen::Vector3d origin = scene_from_lidar * ray_origin(posed.lidar, sweep.rays, i);
-      const Eigen::Vector3d direction =
-          scene_from_lidar.rotation * Lidar::direction(sweep.rays.azimuth[i], sweep.rays.elevation[i]);
+      const auto [origin, direction] = ray_in_scene(posed, i);
       visit(i, origin, direction, static_cast<double>(sweep.range[i]));
     }
   });

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <variant>
 
+#include "host/core/base/parallel.hpp"
 #include "host/core/scene/ground/ground_mesh.hpp"
 #include "host/device/render/scene/actor_boxes.hpp"
 #include "io/log/frame_files.hpp"
@@ -88,24 +88,22 @@ void DarkSurfaces::add_ray(std::size_t actor,
 void DarkSurfaces::add(const PosedSweep& posed, double time_start_s, double time_end_s) {
   const Sweep& sweep = posed.sweep;
   const double duration_s = time_end_s - time_start_s;
+  std::vector<SceneRay> rays(sweep.range.size());
+  parallel_ranges(rays.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) rays[i] = ray_in_scene(posed, i);
+  });
   for (std::size_t a = 0; a < actors_.size(); ++a) {
     if (!actors_[a].is_there(time_start_s) && !actors_[a].is_there(time_end_s)) continue;
     const Pose start = scene_from_actor(actors_[a], time_start_s, scene_origin_),
                end = scene_from_actor(actors_[a], time_end_s, scene_origin_);
     const Eigen::Vector3d middle = 0.5 * (start.translation + end.translation);
     const double reach_m = boxes_[a].half.norm() + 0.5 * (end.translation - start.translation).norm();
-    for (std::size_t i = 0; i < sweep.range.size(); ++i) {
-      const double share = sweep.rays.time_fraction[i];
-      const Pose scene_from_lidar =
-          interpolate(posed.scene_from_lidar_start, posed.scene_from_lidar_end, share);
-      const Eigen::Vector3d origin = scene_from_lidar * ray_origin(posed.lidar, sweep.rays, i);
-      const Eigen::Vector3d direction =
-          scene_from_lidar.rotation * Lidar::direction(sweep.rays.azimuth[i], sweep.rays.elevation[i]);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto& [origin, direction] = rays[i];
       const Eigen::Vector3d to = middle - origin;
       if (direction.dot(to) < -reach_m || direction.cross(to).squaredNorm() > reach_m * reach_m) continue;
-      if (!actors_[a].is_there(time_start_s + share * duration_s)) continue;
-      if (is_blind(posed.lidar, sweep.rays, i)) continue;
-      const double time_s = time_start_s + share * duration_s;
+      const double time_s = time_start_s + sweep.rays.time_fraction[i] * duration_s;
+      if (!actors_[a].is_there(time_s) || is_blind(posed.lidar, sweep.rays, i)) continue;
       add_ray(a, scene_from_actor(actors_[a], time_s, scene_origin_), origin, direction, sweep.range[i]);
     }
   }

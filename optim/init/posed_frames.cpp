@@ -19,6 +19,14 @@ Eigen::Vector3d scene_origin(const Trajectory& world_from_rig) {
   return (sum / static_cast<double>(world_from_rig.poses().size())).array().round();
 }
 
+SceneRay ray_in_scene(const PosedSweep& posed, std::size_t ray) {
+  const LidarRays& rays = posed.sweep.rays;
+  const Pose scene_from_lidar =
+      interpolate(posed.scene_from_lidar_start, posed.scene_from_lidar_end, rays.time_fraction[ray]);
+  return {scene_from_lidar * ray_origin(posed.lidar, rays, ray),
+          scene_from_lidar.rotation * Lidar::direction(rays.azimuth[ray], rays.elevation[ray])};
+}
+
 PosedSweep load_sweep(const Log& log, const SweepFrame& frame, const Eigen::Vector3d& origin) {
   const LogLidar& lidar = log.lidar(frame.lidar);
   return {lidar.model,

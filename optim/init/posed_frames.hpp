@@ -1,6 +1,7 @@
 #pragma once
 // Frames of a log in the scene: what was recorded beside the poses it was recorded from.
 #include <Eigen/Core>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,11 @@ struct PosedSweep {
   Pose scene_from_lidar_start;
   Pose scene_from_lidar_end;
 };
+struct SceneRay {
+  Eigen::Vector3d origin, direction;  // m, unit
+};
+/// A ray (row-major) where it was when it fired.
+[[nodiscard]] SceneRay ray_in_scene(const PosedSweep& posed, std::size_t ray);
 /// Error{kInput} when it can't be read.
 [[nodiscard]] PosedSweep load_sweep(const Log& log, const SweepFrame& frame, const Eigen::Vector3d& origin);
 
