@@ -6,7 +6,6 @@
 #include "math/lanes.h"
 
 #define GRID_VERTEX 16
-#define GRID_MATRIX 12
 typedef REAL_VECTOR(16) Vertex;
 
 // Vertices stand y, x, z: those of one column follow each other.

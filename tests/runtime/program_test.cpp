@@ -52,7 +52,7 @@ TEST(BuildOptions, AreCanonical) {
 TEST(BuildOptions, AreThoseThatATextNames) {
   BuildOptions options;
   options.real(Precision::kDouble).define("V", 4).define("MOVING", true).define("MOV", 1).define("END", 2);
-  const std::string text = options.named_in("#if MOVING // V_1, AV\nint x = END").text();
+  const std::string text = options.named_in("#if MOVING // V, MOV\nint V_1, AV = END").text();
   EXPECT_EQ(text, "-cl-std=CL1.2 -cl-kernel-arg-info -w -D SIMULI_REAL_DOUBLE=1 -D END=2 -D MOVING=1");
 }
 

@@ -28,6 +28,16 @@ bool holds_word(std::string_view text, std::string_view word) {
   return false;
 }
 
+std::string without_comments(std::string_view source) {
+  std::string code;
+  while (!source.empty()) {
+    const std::string_view line = source.substr(0, source.find('\n'));
+    code.append(line.substr(0, line.find("//"))).append("\n");
+    source.remove_prefix(std::min(line.size() + 1, source.size()));
+  }
+  return code;
+}
+
 }  // namespace
 
 BuildOptions& BuildOptions::define_text(const std::string& name, std::string value) {
@@ -45,7 +55,8 @@ BuildOptions& BuildOptions::real(Precision precision) {
 
 BuildOptions BuildOptions::named_in(std::string_view source) const {
   BuildOptions out = *this;
-  std::erase_if(out.defines_, [&](const auto& define) { return !holds_word(source, define.first); });
+  const std::string code = without_comments(source);
+  std::erase_if(out.defines_, [&](const auto& define) { return !holds_word(code, define.first); });
   return out;
 }
 

@@ -24,8 +24,8 @@ class BuildOptions {
   /// kDouble defines SIMULI_REAL_DOUBLE=1; kFloat, the default, defines nothing.
   BuildOptions& real(Precision precision);
 
-  /// Without the names that `source` doesn't hold as a word: what kernels don't look at makes no other
-  /// program of them.
+  /// Without the names that `source` doesn't hold as a word outside of its `//` comments: what kernels don't
+  /// look at makes no other program of them.
   [[nodiscard]] BuildOptions named_in(std::string_view source) const;
 
   [[nodiscard]] Precision precision() const { return precision_; }
