@@ -61,7 +61,7 @@ TEST_F(Walker, IsShownBetterWithAShapeThatChanges) {
   EvalReport reports[2];
   Scene scenes[2];
   for (const bool shapes : {false, true}) {
-    Trainer trainer(test::device(), log_, initial_scene(), options(shapes, 250));
+    Trainer trainer(test::device(), log_, initial_scene(), options(shapes, 120));
     (void)trainer.run();
     scenes[shapes ? 1 : 0] = trainer.scene();
     reports[shapes ? 1 : 0] = test::compare(log_, trainer.scene(), {.held_out_every = 5});

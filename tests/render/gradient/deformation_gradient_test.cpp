@@ -3,12 +3,14 @@
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
+#include <numeric>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
+#include "tests/render/gradient/gradient_check.hpp"
 #include "tests/render/gradient/gradient_problem.hpp"
 #include "tests/support/device.hpp"
 
@@ -90,48 +92,36 @@ class ShapeProblem {
     by_parameter = grads_.download_double();
     by_shape = pass.deformation_gradients();
   }
-  [[nodiscard]] std::size_t mean_of(std::size_t axis, std::size_t particle) const {
-    return axis * particles_.stride + particle;
-  }
-  /// Errors over the largest difference quotient, of the gradients times `factor`.
-  [[nodiscard]] double means_error(double factor) {
-    double scale = 0.0, error = 0.0;
-    for (std::size_t particle = 0; particle < 15; ++particle) {
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::size_t at = mean_of(axis, particle);
-        const double numeric = test::extrapolated_quotient(
-            [&](double step) {
-              std::vector<double> moved = base_;
-              moved[at] += step;
-              particles_.params.assign(std::span<const double>(moved));
-              return loss();
-            },
-            test::kQuotientStep);
-        scale = std::max(scale, std::abs(numeric));
-        error = std::max(error, std::abs(factor * by_parameter[at] - numeric));
-      }
+  [[nodiscard]] test::Quotients of_means() {
+    std::vector<std::size_t> entries;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (std::size_t particle = 0; particle < 15; ++particle)
+        entries.push_back(axis * particles_.stride + particle);
     }
+    const test::Quotients out =
+        test::compare_quotients(by_parameter, entries, [&](std::size_t at, double step) {
+          std::vector<double> moved = base_;
+          moved[at] += step;
+          particles_.params.assign(std::span<const double>(moved));
+          return loss();
+        });
     particles_.params.assign(std::span<const double>(base_));
-    return error / scale;
+    return out;
   }
-  [[nodiscard]] double nodes_error(bool at_end, double factor) {
+  [[nodiscard]] test::Quotients of_nodes(bool at_end) {
     DeformationView& shape = shot_.view.actors[0].deformation;
     std::vector<double>& offsets = at_end ? shape.end_m : shape.start_m;
-    const std::vector<double>& gradient = at_end ? by_shape[0].end : by_shape[0].start;
-    double scale = 0.0, error = 0.0;
-    for (std::size_t i = 0; i < offsets.size(); ++i) {
-      const double was = offsets[i];
-      const double numeric = test::extrapolated_quotient(
-          [&](double step) {
-            offsets[i] = was + step;
-            return loss();
-          },
-          test::kQuotientStep);
-      offsets[i] = was;
-      scale = std::max(scale, std::abs(numeric));
-      error = std::max(error, std::abs(factor * gradient[i] - numeric));
-    }
-    return error / scale;
+    std::vector<std::size_t> entries(offsets.size());
+    std::iota(entries.begin(), entries.end(), 0U);
+    const std::vector<double> before = offsets;
+    const test::Quotients out = test::compare_quotients(
+        at_end ? by_shape[0].end : by_shape[0].start, entries, [&](std::size_t at, double step) {
+          offsets = before;
+          offsets[at] += step;
+          return loss();
+        });
+    offsets = before;
+    return out;
   }
 
   std::vector<double> by_parameter;
@@ -157,12 +147,11 @@ TEST(DeformationGradients, MatchDifferences) {
     ASSERT_EQ(problem.by_shape.size(), 2U);
     EXPECT_EQ(problem.by_shape[0].start.size(), 72U);
     EXPECT_TRUE(problem.by_shape[1].start.empty());
-    EXPECT_LT(problem.means_error(1.0), test::kGradientTolerance);
-    EXPECT_LT(problem.nodes_error(false, 1.0), test::kGradientTolerance);
-    EXPECT_LT(problem.nodes_error(true, 1.0), test::kGradientTolerance);
-    // The checks would notice.
-    EXPECT_GT(problem.means_error(1.01), test::kGradientTolerance);
-    EXPECT_GT(problem.nodes_error(true, 1.01), test::kGradientTolerance);
+    for (const test::Quotients& found :
+         {problem.of_means(), problem.of_nodes(false), problem.of_nodes(true)}) {
+      EXPECT_LT(found.error, test::kGradientTolerance);
+      EXPECT_GT(found.error_if_scaled, test::kGradientTolerance);  // the check would notice
+    }
   }
 }
 
