@@ -70,7 +70,7 @@ allow("host/device/render/(device|rays)" "cl$|host/(core|device/runtime)|host/de
 allow("host/device/support" "host/(core|device)" "support knows no io, optim or cli")
 allow("io" "host/core|io" "io knows no device and no optimiser")
 allow("optim" "cl$|host/(core|device)|io|optim" "optim knows no program")
-allow("bench/(drives|paper|peers|render|street|trade)" "cl$|host/(core|device)|io|optim|bench/(drives|paper|peers|render|street|trade)"
+allow("bench/(drives|paper|particles|peers|render|street|trade)" "cl$|host/(core|device)|io|optim|bench/(drives|paper|particles|peers|render|street|trade)"
       "benches know no program")
 allow("host/apps/serve" "host/(core|device|apps/serve)|io" "the server knows no program")
 allow("host/apps/cli" "host/(core|device|apps/(cli|serve))|io|optim" "the program knows no bench")

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <map>
 
-#include "host/core/scene/particle_street.hpp"
+#include "bench/particles/particle_street.hpp"
 #include "io/synth/street.hpp"
 #include "optim/train/memory.hpp"
 #include "optim/train/trainer.hpp"

@@ -10,11 +10,11 @@
 #include <span>
 #include <utility>
 
+#include "bench/particles/particle_street.hpp"
 #include "bench/peers/embree_tracer.hpp"
 #include "bench/render/lidar_frames.hpp"
 #include "bench/render/scene.hpp"
 #include "bench/render/stages.hpp"
-#include "host/core/scene/particle_street.hpp"
 #include "host/core/sensors/lidar_library.hpp"
 #include "host/device/render/rays/ray_grid.hpp"
 #include "host/device/render/rays/sensor_in_frame.hpp"

@@ -9,9 +9,9 @@
 #include <limits>
 #include <map>
 
+#include "bench/particles/particle_street.hpp"
 #include "bench/render/scene.hpp"
 #include "host/core/base/error.hpp"
-#include "host/core/scene/particle_street.hpp"
 #include "host/core/sensors/lidar.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 
-#include "host/core/scene/particle_street.hpp"
+#include "bench/particles/particle_street.hpp"
 #include "host/device/render/rays/ray_grid.hpp"
 #include "host/device/runtime/device.hpp"
 #include "io/splat/ply.hpp"

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <numbers>
 
+#include "bench/particles/particle_street.hpp"
 #include "bench/render/stages.hpp"
-#include "host/core/scene/particle_street.hpp"
 
 namespace simuli::bench {
 Device profiled_device(const std::string& request, const Progress& note) {

@@ -49,7 +49,7 @@ class LidarFrames {
   View view_;
 };
 
-/// The street of host/core/scene/particle_street.hpp, SH degree 3, for LiDARs.
+/// The street of bench/particles/particle_street.hpp, SH degree 3, for LiDARs.
 [[nodiscard]] ParticleBuffers lidar_street(const Device& device, std::int64_t particles);
 
 }  // namespace simuli::bench

@@ -5,9 +5,9 @@
 #include <ctime>
 #include <fmt/format.h>
 
+#include "bench/particles/particle_street.hpp"
 #include "bench/render/scene.hpp"
 #include "bench/render/stages.hpp"
-#include "host/core/scene/particle_street.hpp"
 #include "host/device/render/options/quality.hpp"
 #include "host/device/render/pages/particle_pages.hpp"
 

@@ -1,6 +1,6 @@
 #include "bench/render/scene.hpp"
 
-#include "host/core/scene/particle_street.hpp"
+#include "bench/particles/particle_street.hpp"
 #include "host/core/sensors/lidar_library.hpp"
 
 namespace simuli::bench {

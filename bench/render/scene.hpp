@@ -6,7 +6,7 @@
 
 namespace simuli::bench {
 
-/// Half-way down the street of host/core/scene/particle_street.hpp, 1.6 m up, looking along it.
+/// Half-way down the street of bench/particles/particle_street.hpp, 1.6 m up, looking along it.
 [[nodiscard]] Pose world_from_bench_camera();
 
 /// That, or where the street's LiDAR is.

@@ -4,9 +4,9 @@
 #include <map>
 #include <optional>
 
+#include "bench/particles/particle_street.hpp"
 #include "bench/render/roofline.hpp"
 #include "bench/render/scene.hpp"
-#include "host/core/scene/particle_street.hpp"
 #include "host/device/render/scene/renderer.hpp"
 
 namespace simuli::bench {

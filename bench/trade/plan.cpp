@@ -5,8 +5,8 @@
 #include <memory>
 #include <utility>
 
+#include "bench/particles/particle_street.hpp"
 #include "bench/render/scene.hpp"
-#include "host/core/scene/particle_street.hpp"
 #include "host/core/sensors/lidar_library.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
 

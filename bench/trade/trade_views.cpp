@@ -9,9 +9,9 @@
 #include <optional>
 #include <utility>
 
+#include "bench/particles/particle_street.hpp"
 #include "bench/render/scene.hpp"
 #include "host/core/base/error.hpp"
-#include "host/core/scene/particle_street.hpp"
 #include "host/core/sensors/lidar_library.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/sensor_rig.hpp"

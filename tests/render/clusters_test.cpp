@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "bench/particles/particle_street.hpp"
 #include "host/core/base/angles.hpp"
 #include "host/core/scene/particle_order.hpp"
-#include "host/core/scene/particle_street.hpp"
 #include "host/device/render/frame/actor_constants.hpp"
 #include "host/device/render/pages/frame_sight.hpp"
 #include "host/device/render/rays/sensor_in_frame.hpp"

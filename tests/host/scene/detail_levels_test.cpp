@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "host/core/scene/particle_street.hpp"
+#include "bench/particles/particle_street.hpp"
 #include "host/device/render/levels/levels.hpp"
 
 namespace simuli {

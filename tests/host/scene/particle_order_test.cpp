@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "host/core/scene/particle_street.hpp"
+#include "bench/particles/particle_street.hpp"
 
 namespace simuli {
 namespace particle_order_test {

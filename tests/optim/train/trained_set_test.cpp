@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
+#include "bench/particles/particle_street.hpp"
 #include "host/core/scene/particle_order.hpp"
-#include "host/core/scene/particle_street.hpp"
 #include "tests/support/device.hpp"
 
 namespace simuli {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+#include "bench/particles/particle_street.hpp"
 #include "host/core/base/angles.hpp"
-#include "host/core/scene/particle_street.hpp"
 #include "host/device/render/frame/actor_constants.hpp"
 #include "host/device/render/rays/sensor_in_frame.hpp"
 #include "host/device/render/scene/renderer.hpp"

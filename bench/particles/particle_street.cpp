@@ -1,4 +1,4 @@
-#include "host/core/scene/particle_street.hpp"
+#include "bench/particles/particle_street.hpp"
 
 #include <cmath>
 #include <numbers>
