@@ -42,6 +42,9 @@ TEST_F(SplatCli, OtherFilesOfSplatsAreToldApart) {
   make_block("red.ply", {0.9F, 0.1F, 0.2F});
   fs::copy(folder_ / "red.ply", folder_ / "red.splat");
   expect_failure("info red.splat", kInput, "found .splat, allowed .ply");
+  fs::copy(folder_ / "red.ply", folder_ / "red.mcap");
+  expect_failure(
+      "info red.mcap", kInput, "found a recording, allowed a log made of it by simuli import mcap");
   expect_failure("view red.splat --port 0",
                  kInput,
                  "found a file, allowed a scene's folder, or splats: .ply, .spz, .glb");

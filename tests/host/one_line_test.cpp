@@ -21,10 +21,22 @@ TEST(OneLine, CharactersThatChangeWhatIsShownAreBytes) {
                            "e",
                            "\xE2\x82\xAC",
                            "\xC2\xA0",
-                           "\xC2",
-                           "\xE2\x80"}) {
+                           "\xED\x9F\xBF",
+                           "\xF0\x9F\x9A\x97",
+                           "\xF4\x8F\xBF\xBF"}) {
     EXPECT_EQ(on_one_line(text), text);
   }
+}
+
+TEST(OneLine, WhatIsNoUtf8IsBytes) {
+  EXPECT_EQ(on_one_line("\x89MCAP"), "\\x89MCAP");
+  EXPECT_EQ(on_one_line("caf\xE9 au lait"), "caf\\xe9 au lait");  // Latin-1
+  EXPECT_EQ(on_one_line("\xC2"), "\\xc2");                        // cut off
+  EXPECT_EQ(on_one_line("\xE2\x80"), "\\xe2\\x80");
+  EXPECT_EQ(on_one_line("\xF0\x9F\x9A!"), "\\xf0\\x9f\\x9a!");
+  EXPECT_EQ(on_one_line("\xC0\x8A"), "\\xc0\\x8a");                    // a line feed, too long
+  EXPECT_EQ(on_one_line("\xED\xA0\x80"), "\\xed\\xa0\\x80");           // half of UTF-16
+  EXPECT_EQ(on_one_line("\xF4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");  // beyond the last
 }
 
 TEST(OneLine, MessagesAreOne) {

@@ -100,6 +100,12 @@ void info(const InfoOptions& options, bool json) {
       throw_input_error(options.target, "splats", other, ".ply (also SuperSplat's compressed) or .spz");
     }
   }
+  if (target.extension() == ".mcap" && is_there(target)) {
+    throw_input_error(options.target,
+                      "file",
+                      "a recording",
+                      "a log made of it by simuli import mcap, which says with --survey what is in it");
+  }
   if (fs::is_regular_file(target, ignored)) return print_any(read_sensor_file(target), json);
   print_builtin(options.target, json);
 }
