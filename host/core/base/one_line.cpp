@@ -21,13 +21,20 @@ std::size_t utf8_bytes(std::string_view text, std::size_t at) {
   return bytes;
 }
 
+bool is_inside_character(std::string_view text, std::size_t at) {
+  for (std::size_t back = 1; back < 4 && back <= at; ++back) {
+    if (utf8_bytes(text, at - back) > back) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::size_t unprintable(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
   const unsigned first = byte(at), second = byte(at + 1), third = byte(at + 2);
   if (first < 0x20U || first == 0x7FU) return 1;
-  if (utf8_bytes(text, at) == 0) return 1;
+  if (utf8_bytes(text, at) == 0) return is_inside_character(text, at) ? 0 : 1;
   if (first == 0xC2U && second >= 0x80U && second <= 0x9FU) return 2;
   if (first != 0xE2U) return 0;
   const bool turns =

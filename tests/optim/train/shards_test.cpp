@@ -107,6 +107,7 @@ TEST_F(ShardsTest, AStepTakesTheMeanOfItsFrames) {
   o.train.densify.every = 0;
   o.train.ray_drop.rate = 0.0;  // several steps of the function a sweep
   o.train.beside.weight = 0.0;  // each shard's from a place of its own
+  o.train.depth.weight = 0.0;   // each shard's of a part of the sweep
   o.frames.held_out_every = 0;
   const auto scene = [&](int shards) {
     o.train.shards.count = shards;
