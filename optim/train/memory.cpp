@@ -142,7 +142,8 @@ void add_set(const Device& device,
   if (options.densify.every > 0) tally.add(item, {"params", matrix * sizeof(float)});
 }
 
-void add_frame(const Device& device, Tally& tally, const Counts& counts, const TrainOptions& options) {
+void add_frame(
+    const Device& device, Tally& tally, const Counts& counts, const TrainOptions& options, bool has_grids) {
   const std::uint64_t most = counts.most(), slots = counts.slots();
   constexpr std::uint64_t kSmallestTile = 32;  // slots, of a LiDAR's
   const FrameSizes sizes{.particles = most,
@@ -164,7 +165,7 @@ void add_frame(const Device& device, Tally& tally, const Counts& counts, const T
   tally.add("rays", FrameConstants(device), sizes);
   tally.add("rays", WorldRays(device), sizes);
   tally.add("rays", Blended(device), sizes);
-  tally.add("rays", PictureBuffers(device), options.look.color_grids ? sizes : FrameSizes{});
+  tally.add("rays", PictureBuffers(device), has_grids ? sizes : FrameSizes{});
   tally.add("frame", GradientBuffers(device), {.frame = sizes, .errors = options.densify.every > 0});
   tally.add("frame", ActorBuffers(device), {counts.actors});
   tally.add("rays", ImageLossBuffers(device), {sizes.tiles});
@@ -191,17 +192,17 @@ void add_environment(const Device& device, Tally& tally, const EnvironmentMap& m
   tally.add("environment", ScanBuffers(device), {});
 }
 
-/// A grid for each picture, all moved by one optimiser, the gradients of one at a time.
-void add_color_grids(const Device& device, Tally& tally, const Counts& counts) {
-  const auto [x, y, z] = kGridSize;
+/// All moved by one optimiser, the gradients of one at a time.
+void add_color_grids(const Device& device, Tally& tally, const Counts& counts, const GridPlan& plan) {
+  const auto [x, y, z] = plan.size;
   const auto vertices = static_cast<std::uint64_t>(x) * static_cast<std::uint64_t>(y * z);
   const ColorGridBuffers grids(device);
-  const ColorGridSizes all{counts.images.frames, vertices};
+  const ColorGridSizes all{plan.images.size(), vertices};
   tally.add("colour grids", grids, all);
   tally.add("colour grids", {"colour grid gradients", grids.bytes({1, vertices}).front().bytes});
   tally.add("colour grids",
             AdamBuffers(device),
-            {counts.images.frames * vertices * ColorGridBuffers::kVertexReals, 1});
+            {plan.images.size() * vertices * ColorGridBuffers::kVertexReals, 1});
   const auto partials = static_cast<std::uint64_t>((x - 1) * 2 * z) * ColorGridBuffers::kVertexReals;
   tally.add("colour grids", ColorGridScratch(device), {counts.images.rows, partials});
 }
@@ -287,10 +288,12 @@ MemoryNeed training_memory(const Device& device,
                       sweep_rays(log, training.frames)};
   add_set(device, tally, "camera set", scene.camera, counts.camera, counts, options);
   add_set(device, tally, "LiDAR set", scene.lidar, counts.lidar, counts, options);
-  add_frame(device, tally, counts, options);
+  const GridPlan grids =
+      plan_grids(options.look, log, HeldOutRule(log, training.frames).training(log.images));
+  add_frame(device, tally, counts, options, !grids.images.empty());
   if (options.image.dissimilarity > 0.0) add_ssim(device, tally, counts);
   if (!scene.environment.empty()) add_environment(device, tally, scene.environment, counts);
-  if (options.look.color_grids && counts.images.frames > 0) add_color_grids(device, tally, counts);
+  if (!grids.images.empty()) add_color_grids(device, tally, counts, grids);
   add_rays(device, tally, counts, log, options.cache_bytes);
   if (options.beside.weight > 0.0 && counts.images.frames > 0 && counts.camera > 0 && counts.lidar > 0)
     add_beside(tally, counts, log.cameras.size());

@@ -59,6 +59,8 @@ constexpr void visit_fields(ImageWeights& o, F&& field) {
 /// Environment and colour grids of the camera set.
 struct LookOptions {
   bool color_grids = false;
+  /// Without them: a transform for each camera where several train. Off in stretches, which would differ in it.
+  bool camera_tints = true;
   double environment_rate = 1e-2;  // per step of Adam, of texels, at the start
   double grid_rate = 2e-3;         // of the grids' values
   double least_share = 0.6;
@@ -66,10 +68,12 @@ struct LookOptions {
 template <class F>
 constexpr void visit_fields(LookOptions& o, F&& field) {
   field.group("Camera set");
-  field("color_grids",
-        o.color_grids,
-        "Learn a bilateral colour grid for each training picture. true: for pictures whose exposure or white "
-        "balance differ.");
+  field(
+      "color_grids",
+      o.color_grids,
+      "Learn a bilateral colour grid for each training picture. true: where exposure or white balance differ "
+      "from picture to picture; false: what differs from camera to camera alone.");
+  field.keyless(o.camera_tints);
   field.keyless(o.environment_rate);
   field.keyless(o.grid_rate);
   field("look.least_share",

@@ -15,13 +15,22 @@
 
 namespace simuli {
 
-/// Vertices of a grid along x, y and luminance (METHOD section 9).
-inline constexpr std::array<int, 3> kGridSize{16, 16, 8};
+/// The colour grids of a training (METHOD section 9).
+struct GridPlan {
+  std::vector<std::size_t> images;  // indices into log.images: whose grids they are; empty: none
+  std::array<int, 3> size{};        // vertices along x, y and luminance
+  double variation = 0.0;           // weight of squared differences of neighbouring vertices
+  bool by_camera = false;           // one for all pictures of a camera
+};
+/// `training`: the log's training pictures.
+[[nodiscard]] GridPlan plan_grids(const LookOptions& options,
+                                  const Log& log,
+                                  const std::vector<std::size_t>& training);
 
 class TrainedLook {
  public:
-  /// The scene's environment, if it has one, and with look.color_grids a grid for each training picture:
-  /// the scene's own where it has one for each, else the identity.
+  /// The scene's environment, if it has one, and the grids of plan_grids(): the scene's own where it has just
+  /// these, else the identity.
   TrainedLook(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options);
 
   [[nodiscard]] const EnvironmentBuffers* environment() const;
@@ -70,6 +79,7 @@ class TrainedLook {
     ColorGridBuffers buffers;
     RealBuffer grads;  // of one grid
     AdamStage adam;
+    double variation = 0.0;
   };
 
   LookOptions options_;

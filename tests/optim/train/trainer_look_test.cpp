@@ -105,6 +105,32 @@ TEST_F(TrainerLook, WhatPicturesHardlyShowKeepsItsColours) {
   EXPECT_GT(shares[shares.size() / 2], 0.8F);    // shown well
 }
 
+TEST_F(TrainerLook, CamerasHaveTintsOfTheirOwnWhereSeveralTrain) {
+  Log log = flickering_log();
+  const auto train = [&](bool tints) {
+    TrainingOptions o = options(120);
+    o.train.look.camera_tints = tints;
+    o.train.look.grid_rate = 0.02;
+    Trainer trainer(test::device(), log, initial_scene(), o);
+    const TrainReport report = trainer.run();
+    return std::pair{trainer.scene(), report.last.psnr_db};
+  };
+  EXPECT_TRUE(train(true).first.color_grids.empty());  // of one camera there is nothing to tell apart
+  log.cameras.push_back(log.cameras[0]);
+  log.cameras[1].model.name = "dim";
+  for (std::size_t i = 1; i < log.images.size(); i += 2) log.images[i].camera = "dim";
+  const auto [plain, plain_psnr_db] = train(false);
+  const auto [tinted, tinted_psnr_db] = train(true);
+  EXPECT_TRUE(plain.color_grids.empty());
+  EXPECT_GT(tinted_psnr_db, plain_psnr_db + 1.0);
+  const ColorGrids& tints = tinted.color_grids;
+  ASSERT_EQ(tints.frames.size(), 2U);
+  EXPECT_EQ(tints.values_per_frame(), 2U * 2U * 2U * 12U);
+  const std::size_t dim = tints.frames[0].camera == "dim" ? 0 : 1;
+  const auto gain = [&](std::size_t frame) { return tints.values[frame * tints.values_per_frame()]; };
+  EXPECT_LT(gain(dim), gain(1 - dim) - 0.05F);
+}
+
 TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
   const Log log = flickering_log();
   const auto train = [&](bool color_grids) {
