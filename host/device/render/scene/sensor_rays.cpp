@@ -44,8 +44,7 @@ std::vector<bool> not_blind(const LidarModel& model, const LidarRays& rays) {
   const auto* const lidar = std::get_if<Lidar>(&model);
   if (lidar == nullptr || !lidar->has_blind()) return {};
   std::vector<bool> sees(rays.azimuth.size());
-  for (std::size_t i = 0; i < sees.size(); ++i)
-    sees[i] = !is_blind(*lidar, i, static_cast<double>(rays.azimuth[i]));
+  for (std::size_t i = 0; i < sees.size(); ++i) sees[i] = !is_blind(model, rays, i);
   return sees;
 }
 
