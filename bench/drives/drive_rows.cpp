@@ -45,7 +45,8 @@ constexpr std::array kLines{
          1},
     Line{"LiDAR set, thousands / MR/s", "lidar_particles", 1e-3, 0, "lidar_mr_per_s", 1.0, 1},
     Line{"camera set, thousands / MP/s", "camera_particles", 1e-3, 0, "camera_mp_per_s", 1.0, 1},
-    Line{"iterations / training, min", "iterations", 1.0, 0, "train_s", 1.0 / 60.0, 1}};
+    Line{"iterations / training, min", "iterations", 1.0, 0, "train_s", 1.0 / 60.0, 1},
+    Line{"processor time, start and end included, s", "processor_s", 1.0, 0}};
 
 std::string number(double value, int decimals) {
   return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
@@ -79,7 +80,8 @@ std::string DriveRow::title() const { return labels ? drive + ", boxes of the lo
 
 std::vector<std::pair<std::string, double>> values_of(const EvalReport& r,
                                                       const TrainingReport& training,
-                                                      double train_s) {
+                                                      double train_s,
+                                                      double processor_s) {
   const TrainReport& t = training.train;
   const auto count = [](auto number) { return static_cast<double>(number); };
   return {{"images", count(r.images)},
@@ -106,7 +108,8 @@ std::vector<std::pair<std::string, double>> values_of(const EvalReport& r,
           {"camera_mp_per_s", r.camera_mp_per_s},
           {"iterations", t.last.iteration},
           {"init_s", training.init.seconds},
-          {"train_s", training.init.seconds + train_s}};
+          {"train_s", training.init.seconds + train_s},
+          {"processor_s", processor_s}};
 }
 
 std::string to_markdown(const std::vector<DriveRow>& rows) {
@@ -160,7 +163,7 @@ std::optional<DriveRow> kept_row(const std::filesystem::path& file, const std::s
       row.labels = object.boolean("labels");
       row.frames = object.text("frames");
       for (const Json& line : object.get("settings")) row.settings.push_back(line.get<std::string>());
-      for (const auto& [key, value] : values_of({}, {}, 0.0)) {
+      for (const auto& [key, value] : values_of({}, {}, 0.0, 0.0)) {
         const bool known = object.has(key) && !object.get(key).is_null();
         row.values.emplace_back(key, known ? object.number(key) : kNoNumber);
       }

@@ -24,10 +24,12 @@ struct DriveRow {
   [[nodiscard]] std::string title() const;
 };
 
-/// `train_s`: seconds of the training without its start.
+/// `train_s`: seconds of the training without its start. `processor_s`: of all threads, from the log that was
+/// read to the scene.
 [[nodiscard]] std::vector<std::pair<std::string, double>> values_of(const EvalReport& report,
                                                                     const TrainingReport& training,
-                                                                    double train_s);
+                                                                    double train_s,
+                                                                    double processor_s);
 
 /// Metrics downwards, a column for each row.
 [[nodiscard]] std::string to_markdown(const std::vector<DriveRow>& rows);

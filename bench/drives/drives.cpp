@@ -1,9 +1,11 @@
 #include "bench/drives/drives.hpp"
 
 #include <algorithm>
+#include <ctime>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <optional>
+#include <sstream>
 #include <utility>
 
 #include "host/core/base/error.hpp"
@@ -58,30 +60,41 @@ bool has_boxes(const Log& log, const TrainingOptions& options) {
   return !moving_actors(log.actors, options.init.actor_min_travel_m).empty();
 }
 
-/// One training of a drive.
+/// A drive's trainings.
 struct Case {
   const Drive* drive;
-  bool labels;                          // the log's own boxes are trained with
-  std::vector<TrainingOptions> stages;  // the same training, ever longer; one row each
+  bool labels;                           // the log's own boxes are trained with
+  std::vector<TrainingOptions> lengths;  // the same but for their iterations, which ascend; one row each
 };
+
+/// Lengths of which one has the quality that is asked for.
+std::vector<std::string> doublings() {
+  std::vector<std::string> out;
+  constexpr int kFirst = 100, kTimes = 6;
+  for (int k = 0; k < kTimes; ++k) out.push_back(std::to_string(kFirst << k));
+  return out;
+}
+
+/// Seconds that all threads of this process have computed.
+double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 std::vector<Case> cases_of(const std::vector<Drive>& drives, const DrivesOptions& asked) {
   std::vector<Case> cases;
-  const std::vector<std::string> lengths =
-      asked.lengths.empty() ? std::vector<std::string>{""} : asked.lengths;
+  std::vector<std::string> lengths = asked.lengths;
+  if (lengths.empty()) lengths = asked.time_to_db > 0.0 ? doublings() : std::vector<std::string>{""};
   for (const Drive& drive : drives) {
     Case c{&drive, false, {}};
     for (const std::string& length : lengths) {
       std::vector<std::string> settings = asked.settings;
       if (!length.empty()) settings.push_back("iterations=" + length);
-      c.stages.push_back(training_options("", joined(settings, drive.settings)));
-      const TrainOptions& now = c.stages.back().train;
-      if (c.stages.size() > 1 && now.iterations <= c.stages[c.stages.size() - 2].train.iterations) {
+      c.lengths.push_back(training_options("", joined(settings, drive.settings)));
+      const TrainOptions& now = c.lengths.back().train;
+      if (c.lengths.size() > 1 && now.iterations <= c.lengths[c.lengths.size() - 2].train.iterations) {
         throw Error(ErrorKind::kUsage,
                     fmt::format("--lengths: found {}, allowed more than before it", length));
       }
     }
-    if (has_boxes(drive.log, c.stages.front())) {
+    if (has_boxes(drive.log, c.lengths.front())) {
       c.labels = true;
       cases.push_back(c);
       c.labels = false;
@@ -95,7 +108,9 @@ std::vector<Case> cases_of(const std::vector<Drive>& drives, const DrivesOptions
 class Teller {
  public:
   Teller(const std::vector<Case>& cases, const Note& note) : note_(note) {
-    for (const Case& c : cases) left_ += c.stages.back().train.iterations;
+    for (const Case& c : cases) {
+      for (const TrainingOptions& o : c.lengths) left_ += o.train.iterations;
+    }
   }
   void skip(int iterations) { left_ -= iterations; }
   void begin(const DriveRow& row) {
@@ -135,6 +150,12 @@ class Teller {
   double left_ = 0.0;     // iterations
 };
 
+/// What a training has taken so far.
+struct Taken {
+  double wall_s = 0.0;       // without its start
+  double processor_s = 0.0;  // with it
+};
+
 /// Where the training of a row is kept.
 class Keeper {
  public:
@@ -147,13 +168,15 @@ class Keeper {
   }
   [[nodiscard]] std::optional<DriveRow> row() const { return kept_row(place_ / "row.json", identity_); }
   [[nodiscard]] fs::path checkpoint() const { return place_ / "checkpoint"; }
-  /// The training as it stands, with the seconds that it has taken.
-  void save(Training& training, double seconds) const {
+  /// The training as it stands, with what it has taken.
+  void save(Training& training, const Taken& taken) const {
     training.save(checkpoint());
-    write_file_atomically(place_ / "seconds.txt", fmt::format("{}", seconds));
+    write_file_atomically(place_ / "seconds.txt", fmt::format("{} {}", taken.wall_s, taken.processor_s));
   }
-  [[nodiscard]] double seconds() const {
-    return fs::exists(place_ / "seconds.txt") ? std::stod(read_file(place_ / "seconds.txt")) : 0.0;
+  [[nodiscard]] Taken taken() const {
+    Taken out;
+    std::istringstream(read_file(place_ / "seconds.txt")) >> out.wall_s >> out.processor_s;
+    return out;
   }
   void keep(const DriveRow& row, const SceneFile& scene) const {
     write_scene(place_ / "scene", scene);
@@ -173,24 +196,20 @@ class Drives {
       : device_(device), options_(options), folder_(std::move(folder)), teller_(teller), note_(note) {}
 
   void run(const Case& c) {
-    std::optional<Keeper> before;
-    for (const TrainingOptions& options : c.stages) {
+    for (const TrainingOptions& options : c.lengths) {
       DriveRow row{c.drive->name, c.labels, held_out_text(options.frames), own_lines(options), {}};
-      const Keeper keeper(place_of(row, options), identity_of(c, options, before));
+      const Keeper keeper(place_of(row, options), identity_of(c, options));
       if (std::optional<DriveRow> kept = keeper.row()) {
-        teller_.skip(options.train.iterations - (before ? done_ : 0));
+        teller_.skip(options.train.iterations);
         row = std::move(*kept);
       } else {
-        row = measure(c, options, std::move(row), keeper, before);
+        row = measure(c, options, std::move(row), keeper);
       }
       note_(to_line(row));
       rows_.push_back(std::move(row));
-      // Only what goes on from there needs it.
-      if (before) fs::remove(before->checkpoint());
-      done_ = options.train.iterations;
-      before.emplace(keeper);
+      fs::remove(keeper.checkpoint());
+      if (is_reached(rows_.back())) return;
     }
-    if (c.stages.size() == 1) fs::remove(before->checkpoint());
   }
   [[nodiscard]] std::vector<DriveRow> rows() && { return std::move(rows_); }
 
@@ -198,50 +217,54 @@ class Drives {
   [[nodiscard]] fs::path place_of(const DriveRow& row, const TrainingOptions& options) const {
     return folder_ / fmt::format("{}{}_{}", row.drive, row.labels ? "_boxes" : "", options.train.iterations);
   }
-  [[nodiscard]] std::string identity_of(const Case& c,
-                                        const TrainingOptions& options,
-                                        const std::optional<Keeper>& before) const {
-    return fmt::format("{}\n{}\n{} {} behind {}\n{}",
+  /// Says what the quality that is asked for has taken.
+  [[nodiscard]] bool is_reached(const DriveRow& row) const {
+    const double db = options_.time_to_db;
+    if (db <= 0.0 || row.value("psnr_db") < db) return false;
+    note_(fmt::format("{}: {} dB with {} iterations, {:.0f} s of processor time",
+                      row.title(),
+                      db,
+                      row.value("iterations"),
+                      row.value("processor_s")));
+    return true;
+  }
+  [[nodiscard]] std::string identity_of(const Case& c, const TrainingOptions& options) const {
+    return fmt::format("{}\n{}\n{} {}\n{}",
                        program_stamp(),
                        device_.info().label(),
                        log_hash(c.drive->log),
                        c.labels,
-                       before ? done_ : 0,
                        fmt::join(lines_of(options), "\n"));
   }
 
-  DriveRow measure(const Case& c,
-                   const TrainingOptions& options,
-                   DriveRow row,
-                   const Keeper& keeper,
-                   const std::optional<Keeper>& before) {
+  DriveRow measure(const Case& c, const TrainingOptions& options, DriveRow row, const Keeper& keeper) {
+    const double begun_s = processor_seconds();
     Log log = c.drive->log;
     if (!c.labels && has_boxes(log, options)) log.actors.clear();
     Training training(device_, std::move(log), options);
-    double spent_s = 0.0;
+    Taken before;
     if (fs::exists(keeper.checkpoint())) {
       training.resume(keeper.checkpoint());
-      spent_s = keeper.seconds();
-    } else if (before && fs::exists(before->checkpoint())) {
-      training.resume(before->checkpoint());
-      spent_s = before->seconds();
+      before = keeper.taken();
     } else {
       training.prepare();
     }
     teller_.begin(row);
     const Stopwatch watch;
+    const auto taken = [&] {
+      return Taken{before.wall_s + watch.seconds(), before.processor_s + processor_seconds() - begun_s};
+    };
     const bool is_kept = !options_.keep.empty();
     training.run([&](const TrainStatus& status) {
       teller_.step(status);
-      if (is_kept && status.iteration % kCheckpointEvery == 0)
-        keeper.save(training, spent_s + watch.seconds());
+      if (is_kept && status.iteration % kCheckpointEvery == 0) keeper.save(training, taken());
     });
-    spent_s += watch.seconds();
-    if (c.stages.size() > 1) keeper.save(training, spent_s);
+    const double train_s = taken().wall_s;
     const SceneFile scene = training.result();
+    const double processor_s = taken().processor_s;
     // The log with its boxes, which tell what is inside them whoever trained.
     const EvalReport report = compare(device_, c.drive->log, scene, {});
-    row.values = values_of(report, training.report(), spent_s);
+    row.values = values_of(report, training.report(), train_s, processor_s);
     if (is_kept) keeper.keep(row, scene);
     return row;
   }
@@ -252,7 +275,6 @@ class Drives {
   Teller& teller_;
   const Note& note_;
   std::vector<DriveRow> rows_;
-  int done_ = 0;  // iterations of the stage before
 };
 
 }  // namespace

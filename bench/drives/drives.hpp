@@ -12,13 +12,14 @@ namespace simuli::bench {
 
 struct DrivesOptions {
   std::vector<std::string> drives;  // as open_drive() takes them
-  /// Iterations, ascending: each training goes on from the end of the one before it, and each has a row.
-  /// Empty: one training, as long as by default.
+  /// Iterations, ascending: a training, and a row, for each. Empty: as many as by default.
   std::vector<std::string> lengths;
   std::vector<std::string> settings;  // "key=value" of every training
   /// Where rows, scenes and checkpoints are kept: what is there and of the same log, settings and program is
   /// not made again. Empty: nothing is kept.
   std::filesystem::path keep;
+  /// Trainings of a drive end with the first whose held-out pictures have so many dB; 0: all are made.
+  double time_to_db = 0.0;
 };
 
 /// Trains on each drive as `simuli train` does without options and compares as `simuli eval` does; a drive

@@ -146,6 +146,11 @@ void measure(BenchCommand command, const Globals& globals) {
   if (command.shift_options.detailed && !command.shift) {
     throw Error(ErrorKind::kUsage, "bench: --detailed: found without --shift, allowed with it");
   }
+  const DrivesOptions& drives = command.drives;
+  if (drives.drives.empty() && (!drives.lengths.empty() || !drives.keep.empty() || drives.time_to_db > 0.0)) {
+    throw Error(ErrorKind::kUsage,
+                "bench: --lengths, --time-to, --keep: found without --drive, allowed with it");
+  }
   command.table5.log = command.table8.log = command.log;
   if (command.iterations > 0) {
     if (command.table != 5 && command.table != 8 && command.figure == 0 && !command.actors &&
@@ -202,9 +207,13 @@ void add_drives(const Command& command, BenchCommand& options) {
       "the README's table: trains on each drive with defaults alone and compares; log folders, street, "
       "folders of KITTI raw as DIR[,poses=FILE][,labels=FILE]");
   command.option(
-      "--lengths",
-      options.drives.lengths,
-      "--drive: iterations, ascending; a row for each, each training going on from the one before");
+      "--lengths", options.drives.lengths, "--drive: iterations, ascending; a training and a row for each");
+  command
+      .option("--time-to",
+              options.drives.time_to_db,
+              "--drive: held-out dB at which longer trainings end; without --lengths 100, 200, ... 3200 "
+              "iterations")
+      .range(1.0, 100.0);
   command.option("--keep",
                  options.drives.keep,
                  "--drive: folder of rows, scenes and checkpoints; what is there is not made again");
