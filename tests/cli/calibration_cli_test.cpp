@@ -31,6 +31,20 @@ TEST_F(Cli, AlignFindsThePathOfALog) {
   expect_failure("align nowhere.log", kInput, "nowhere.log");
 }
 
+TEST_F(Cli, AlignEndsWithItsCodeWhereACameraIsRefused) {
+  // Pictures of 32 x 18 px have too few edges.
+  ASSERT_EQ(run("synth street -o street.log --frames 4 --image-width 32 --image-height 18").exit_code, 0);
+  for (const std::string options : {"", "-o out.log", "-o out.log --apply-cameras"}) {
+    const Outcome outcome = run("align street.log --keep-path --camera front --json " + options);
+    EXPECT_EQ(outcome.exit_code, 6) << options;
+    EXPECT_NE(outcome.err.find("mounting of camera front: "), std::string::npos) << outcome.err;
+    const auto report = nlohmann::json::parse(outcome.out);  // what is known is told all the same
+    EXPECT_EQ(report["cameras"][0]["determined"], false);
+    EXPECT_FALSE(report.contains("log"));
+    EXPECT_FALSE(fs::exists(folder_ / "out.log")) << options;
+  }
+}
+
 TEST_F(Cli, FitLensSaysWhatIsLeft) {
   const Outcome outcome = run("fit lens tum_vi_cam0 --model ftheta_angle_to_radius -o lens.json --json");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

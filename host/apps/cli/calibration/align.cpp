@@ -99,6 +99,7 @@ Json to_json(const CameraResult& result) {
   const auto array = [](const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); };
   return {{"name", result.name},
           {"determined", true},
+          {"as_given", r.as_given},
           {"rig_from_camera", simuli::to_json(r.rig_from_camera)},
           {"time_offset_s", r.time_known ? Json(r.time_offset_s) : Json(nullptr)},
           {"translation_change_m", array(r.translation_change_m)},
@@ -206,6 +207,29 @@ void apply(const CameraResult& result, Log& log) {
   sort_by_time(log);
 }
 
+void tell(const AlignCommand& command,
+          const Globals& globals,
+          const std::optional<calib::AlignReport>& report,
+          const std::vector<CameraResult>& cameras,
+          bool is_written) {
+  if (globals.json) {
+    Json json = Json::object();
+    if (report) json["path"] = to_json(*report);
+    if (!cameras.empty()) json["cameras"] = Json::array();
+    for (const CameraResult& result : cameras) json["cameras"].push_back(to_json(result));
+    if (is_written) json["log"] = command.output;
+    std::cout << json_text(json) << '\n';
+    return;
+  }
+  if (report) std::cout << text_of(*report);
+  for (const CameraResult& result : cameras) std::cout << text_of(result);
+  if (is_written) {
+    std::cout << fmt::format("log {} written{}\n",
+                             command.output,
+                             !cameras.empty() && !command.apply_cameras ? ", cameras as they were" : "");
+  }
+}
+
 void align(const AlignCommand& command, const Globals& globals) {
   Log log = read_log(command.log);
   if (command.keep_path && command.cameras.empty()) {
@@ -228,6 +252,7 @@ void align(const AlignCommand& command, const Globals& globals) {
     path = Trajectory(report->path);
   }
   std::vector<CameraResult> cameras;
+  std::string refused;  // reasons; what the others say is told all the same, and nothing is written
   for (const std::string& name : command.cameras) {
     const std::string lidar =
         command.align.lidar.empty() ? name_of(log.lidars.at(0).model) : command.align.lidar;
@@ -238,31 +263,20 @@ void align(const AlignCommand& command, const Globals& globals) {
             progress.update("camera " + name, done, total);
           });
     } catch (const Error& error) {
-      if (error.kind() != ErrorKind::kNumeric || command.apply_cameras) throw;
+      if (error.kind() != ErrorKind::kNumeric) throw;
       result.reason = error.what();
+      if (!refused.empty()) refused += "; ";
+      refused += result.reason;
     }
   }
   progress.finish();
   if (command.apply_cameras) {
     for (const CameraResult& result : cameras) apply(result, log);
   }
-  if (!command.output.empty()) calib::write_aligned_log(log, path, command.output);
-  if (globals.json) {
-    Json json = Json::object();
-    if (report) json["path"] = to_json(*report);
-    if (!cameras.empty()) json["cameras"] = Json::array();
-    for (const CameraResult& result : cameras) json["cameras"].push_back(to_json(result));
-    if (!command.output.empty()) json["log"] = command.output;
-    std::cout << json_text(json) << '\n';
-    return;
-  }
-  if (report) std::cout << text_of(*report);
-  for (const CameraResult& result : cameras) std::cout << text_of(result);
-  if (!command.output.empty()) {
-    std::cout << fmt::format("log {} written{}\n",
-                             command.output,
-                             !cameras.empty() && !command.apply_cameras ? ", cameras as they were" : "");
-  }
+  const bool is_written = !command.output.empty() && refused.empty();
+  if (is_written) calib::write_aligned_log(log, path, command.output);
+  tell(command, globals, report, cameras, is_written);
+  if (!refused.empty()) throw Error(ErrorKind::kNumeric, refused);
 }
 
 }  // namespace
