@@ -28,7 +28,6 @@ struct LidarScene {
 // What a mounting is good for: 3 cm at 10 m.
 inline constexpr double kWorstTranslation_m = 0.03;
 inline constexpr double kWorstRotation_rad = 0.2 * std::numbers::pi / 180.0;
-
 struct CameraPoseOptions {
   double widest_search = 0.06;   // of the focal length: 3.4 degrees
   int rounds = 14;               // of finding edges and solving
@@ -50,7 +49,8 @@ struct CameraPoseReport {
   /// along and about the camera's axes; no standard deviation above is less than half of it.
   std::optional<Eigen::Vector3d> halves_apart_m, halves_apart_rad;
   bool time_known = false;
-  std::size_t pieces = 0;          // flat pieces with a texture that both show, each in each picture; 0: none
+  bool as_given = false;   // by settle(): the changes above tell what was found, the mounting is that given
+  std::size_t pieces = 0;  // flat pieces with a texture that both show, each in each picture; 0: none
   std::size_t texture_points = 0;  // returns on them
   double texture_before = 0.0;     // median correlation on them, as depth edges put the camera ...
   double texture_after = 0.0;      // ... and at the end
@@ -64,8 +64,7 @@ struct CameraPoseReport {
 
 /// Throws Error{kNumeric} with the reason where the data cannot tell the mounting: too few edges in view (a
 /// blank wall), or a direction in which neither edges nor texture hold the camera. A clock that cannot be
-/// told apart from the mounting (a straight drive at constant speed) stays as it is, noted. So is that
-/// depth edges lie farther from those of the pictures than with the mounting that was given.
+/// told apart from the mounting (a straight drive at constant speed) stays as it is, noted.
 [[nodiscard]] CameraPoseReport find_camera_pose(
     const std::vector<CameraView>& views,
     const LogCamera& camera,
@@ -84,10 +83,16 @@ inline constexpr double kFarEdge_px = 3.0;
                                     const LidarScene& scene,
                                     const CameraPoseOptions& options = {});
 
+/// A mounting that was given right is moved neither by noise nor to where its pictures fit less well: where the
+/// report's mounting and clock are within two of its standard deviations of what was given that is taken
+/// instead. Error{kNumeric} where a standard deviation is above the worst that a mounting is good for, or where
+/// depth edges lie farther from the pictures' than with what was given.
+void settle(const LogCamera& given, CameraPoseReport& report);
+
 /// Reads the pictures (at most `most_views`, evenly taken) and the sweeps of a log; what the camera's masks
 /// hide of the pictures is left out. Both halves of the drive are asked by themselves, too: Error{kNumeric}
-/// where they disagree, or the mounting that a half asks for fits the pictures of the other one less well than
-/// that which was given. Error{kInput} for a picture of another size than the camera's.
+/// where they disagree, or where a mounting that is not as given fits the pictures of the other half less well.
+/// Then settle(). Error{kInput} for a picture of another size than the camera's.
 [[nodiscard]] CameraPoseReport find_camera_pose(
     const Log& log,
     const std::string& camera,

@@ -34,6 +34,16 @@ void widen(Vector& sigma, const Eigen::Vector3d& apart) {
   sigma = sigma.cwiseMax(0.5 * apart.cwiseAbs());
 }
 
+/// Whether what was given lies within what the report says of its own errors.
+bool is_as_given(const CameraPoseReport& report, const LogCamera& given) {
+  constexpr double kTold = 2.0;  // standard deviations
+  const MountingStep change =
+      step_between({given.rig_from_camera, 0.0}, {report.rig_from_camera, report.time_offset_s});
+  MountingStep sigma;
+  sigma << report.translation_sigma_m, report.rotation_sigma_rad, report.time_sigma_s;
+  return (change.cwiseAbs().array() <= kTold * sigma.array()).all();
+}
+
 /// What either half of the pictures says of the mounting, and to the pictures of the other one.
 void ask_halves(std::vector<CameraView> views,
                 const LogCamera& given,
@@ -67,15 +77,20 @@ void ask_halves(std::vector<CameraView> views,
       step_between({by_half[0].rig_from_camera, 0.0}, {by_half[1].rig_from_camera, 0.0});
   report.halves_apart_m = apart.head<3>();
   report.halves_apart_rad = apart.segment<3>(3);
-  if (report.halves_apart_m->norm() > 2.0 * kWorstTranslation_m ||
-      report.halves_apart_rad->norm() > 2.0 * kWorstRotation_rad) {
-    refuse(fmt::format(
-        "halves of the drive put it {:.3f} m and {:.2f} deg apart, allowed {:.3f} m and {:.2f} deg",
-        report.halves_apart_m->norm(),
-        report.halves_apart_rad->norm() / kDegree,
-        2.0 * kWorstTranslation_m,
-        2.0 * kWorstRotation_rad / kDegree));
+  widen(report.translation_sigma_m, *report.halves_apart_m);
+  widen(report.rotation_sigma_rad, *report.halves_apart_rad);
+  const double apart_m = report.halves_apart_m->lpNorm<Eigen::Infinity>();
+  const double apart_rad = report.halves_apart_rad->lpNorm<Eigen::Infinity>();
+  if (apart_m > 2.0 * kWorstTranslation_m || apart_rad > 2.0 * kWorstRotation_rad) {
+    refuse(
+        fmt::format("halves of the drive put it up to {:.3f} m and {:.2f} deg apart, allowed {:.3f} m and "
+                    "{:.2f} deg, along and about each axis",
+                    apart_m,
+                    apart_rad / kDegree,
+                    2.0 * kWorstTranslation_m,
+                    2.0 * kWorstRotation_rad / kDegree));
   }
+  if (is_as_given(report, given)) return;
   for (std::size_t i = 0; i < 2; ++i) {
     const std::vector<CameraView>& other = *halves[1 - i];
     const double found_px = edges_apart_px(other, by_half[i], 0.0, world_from_rig, scene, options);
@@ -89,11 +104,37 @@ void ask_halves(std::vector<CameraView> views,
           given_px));
     }
   }
-  widen(report.translation_sigma_m, *report.halves_apart_m);
-  widen(report.rotation_sigma_rad, *report.halves_apart_rad);
 }
 
 }  // namespace
+
+void settle(const LogCamera& given, CameraPoseReport& report) {
+  const auto refuse = [&](const std::string& reason) {
+    throw Error(ErrorKind::kNumeric,
+                fmt::format("mounting of camera {}: not determined: {}", given.model.name, reason));
+  };
+  const double sigma_m = report.translation_sigma_m.maxCoeff(),
+               sigma_rad = report.rotation_sigma_rad.maxCoeff();
+  if (!(sigma_m <= kWorstTranslation_m && sigma_rad <= kWorstRotation_rad)) {
+    refuse(fmt::format("standard deviations found {:.3f} m and {:.2f} deg, allowed {:.3f} m and {:.2f} deg",
+                       sigma_m,
+                       sigma_rad / kDegree,
+                       kWorstTranslation_m,
+                       kWorstRotation_rad / kDegree));
+  }
+  report.as_given = is_as_given(report, given);
+  if (report.as_given) {
+    report.rig_from_camera = given.rig_from_camera;
+    report.time_offset_s = 0.0;
+    report.notes.push_back("within two standard deviations of what was given, which is left as it is");
+  } else if (report.after_px > report.before_px) {
+    refuse(
+        fmt::format("depth edges are {:.2f} px from the picture's with what was found, allowed at most the "
+                    "{:.2f} px with what was given",
+                    report.after_px,
+                    report.before_px));
+  }
+}
 
 CameraPoseReport find_camera_pose(const Log& log,
                                   const std::string& camera,
@@ -129,9 +170,12 @@ CameraPoseReport find_camera_pose(const Log& log,
   scene.surfaces = surface_points(sweeps, world_from_rig);
   scene.spacing_rad = beam_spacing(sensor.with_rows());
   const bool has_halves = views.size() >= kLeastViews;
-  std::size_t before = 0;  // of the whole's progress; each half has half of the pictures
+  std::size_t before = 0,
+              of_whole = 0;  // of progress; halves are asked without a clock, which takes one pass
   const auto tell = [&](std::size_t done, std::size_t total) {
-    if (progress) progress(before + done, has_halves ? 3 * total : total);
+    if (before == 0) of_whole = total;
+    const std::size_t of_all = has_halves ? (options.with_clock ? 2 : 3) * of_whole : of_whole;
+    if (progress) progress(before + done, of_all);
     if (done == total) before += total;
   };
   const LogCamera& given = log.camera(camera);
@@ -144,6 +188,7 @@ CameraPoseReport find_camera_pose(const Log& log,
                     views.size(),
                     kLeastViews));
   }
+  settle(given, report);
   return report;
 }
 

@@ -6,6 +6,8 @@
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
 #include "io/log/camera_mask.hpp"
+#include "optim/base/frames.hpp"
+#include "tests/host/expect_error.hpp"
 #include "tests/io/scratch.hpp"
 #include "tests/optim/calibration/street_drive.hpp"
 
@@ -151,7 +153,10 @@ void paint_pillar(const Log& log, int stripes_px) {
 }
 
 CameraPoseReport pose_in(const Log& log) {
-  return find_camera_pose(log, log.cameras[0].model.name, name_of(log.lidars[0].model), log.world_from_rig);
+  CameraPoseOptions options;
+  options.with_clock = false;
+  return find_camera_pose(
+      log, log.cameras[0].model.name, name_of(log.lidars[0].model), log.world_from_rig, 60, options);
 }
 
 TEST(CameraPose, WhatAMaskHidesMakesNoDifference) {
@@ -169,22 +174,34 @@ TEST(CameraPose, WhatAMaskHidesMakesNoDifference) {
   Log log = written(drive, scratch);
   mask_pillar(log);
   paint_pillar(log, 24);
-  const CameraPoseReport report = pose_in(log);
+  Recording recording = record(drive, 0.0);
+  const auto pose_in_pictures = [&] {
+    for (std::size_t i = 0; i < log.images.size(); ++i)
+      recording.views[i].picture = Luminance(load_image(log, log.images[i], log.cameras[0].model));
+    return find_camera_pose(recording.views, log.cameras[0], log.world_from_rig, recording.scene);
+  };
+  const CameraPoseReport report = pose_in_pictures();
   EXPECT_GT(report.pieces, 50U);
   EXPECT_LT(report.translation_change_m.norm(), 0.02) << report.translation_change_m.transpose();
   paint_pillar(log, 5);
-  EXPECT_TRUE(same_bits(report, pose_in(log)));
+  EXPECT_TRUE(same_bits(report, pose_in_pictures()));
   log.hidden.clear();
-  const CameraPoseReport open = pose_in(log);
+  const CameraPoseReport open = pose_in_pictures();
   EXPECT_FALSE(same_bits(report, open));
   EXPECT_GT(open.edges, report.edges);
 }
 
 TEST(CameraPose, IsToldTwiceByTheHalvesOfADrive) {
-  const test::StreetDrive drive(16, 8.0, 0.6, 240);
+  const test::StreetDrive drive(16, 8.0, 0.6, 400);
   const test::Scratch scratch;
-  const Log log = written(drive, scratch);
+  Log log = written(drive, scratch);
+  const LogCamera truth = log.cameras[0];
+  log.cameras[0] = misplaced(truth);
   const CameraPoseReport report = pose_in(log);
+  EXPECT_FALSE(report.as_given);
+  const Pose off = truth.rig_from_camera.inverse() * report.rig_from_camera;
+  EXPECT_LT(off.translation.norm(), 0.01) << off.translation.transpose();
+  EXPECT_LT(off.rotation.angularDistance(Eigen::Quaterniond::Identity()), 0.1 * kDegree);
   ASSERT_TRUE(report.halves_apart_m && report.halves_apart_rad);
   EXPECT_LT(report.halves_apart_rad->norm(), 0.2 * kDegree);
   for (int k = 0; k < 3; ++k) {
@@ -192,7 +209,7 @@ TEST(CameraPose, IsToldTwiceByTheHalvesOfADrive) {
     EXPECT_GE(report.rotation_sigma_rad[k], 0.5 * std::abs((*report.halves_apart_rad)[k]));
   }
   // The pictures of the later half from a camera that has been turned by a degree.
-  LogCamera turned = log.cameras[0];
+  LogCamera turned = truth;
   turned.rig_from_camera.rotation =
       turned.rig_from_camera.rotation * Eigen::AngleAxisd(kDegree, Eigen::Vector3d::UnitY());
   for (std::size_t i = log.images.size() / 2; i < log.images.size(); ++i)
@@ -205,6 +222,60 @@ TEST(CameraPose, IsToldTwiceByTheHalvesOfADrive) {
     EXPECT_NE(std::string(error.what()).find("halves of the drive put it"), std::string::npos)
         << error.what();
   }
+}
+
+TEST(CameraPose, WhatWasGivenStandsUnlessPicturesSayOtherwise) {
+  const LogCamera given{.model = {"front", 320, 180, 200.0, 200.0, 160.0, 90.0},
+                        .rig_from_camera = {Eigen::Quaterniond(0.5, -0.5, 0.5, -0.5), {1.0, 0.2, 1.5}}};
+  struct Case {
+    const char* what;
+    Eigen::Vector3d moved_m, turned_deg;
+    double late_s, before_px, after_px;
+    bool stands, refused;
+  };
+  // Standard deviations: 1 cm, 0.05 degrees, 1 ms.
+  const Case cases[] = {
+      {"nothing", {0, 0, 0}, {0, 0, 0}, 0, 0.8, 0.8, true, false},
+      {"a little on each axis", {0.019, -0.019, 0.019}, {0.09, -0.09, 0.09}, -0.0019, 0.8, 0.8, true, false},
+      {"a little, and worse", {0.015, 0, 0}, {0, 0.09, 0}, 0, 0.8, 0.9, true, false},
+      {"along one axis", {0, -0.021, 0}, {0, 0, 0}, 0, 0.8, 0.7, false, false},
+      {"about one axis", {0, 0, 0}, {0, 0, -0.11}, 0, 0.8, 0.7, false, false},
+      {"the clock", {0, 0, 0}, {0, 0, 0}, 0.0021, 0.8, 0.7, false, false},
+      {"far, no better and no worse", {0.05, 0, 0}, {0, 0, 0}, 0, 0.8, 0.8, false, false},
+      {"far and worse", {0.043, 0, 0}, {0.3, 0, 0}, 0, 0.79, 0.88, false, true},
+      {"the clock, and worse", {0, 0, 0}, {0, 0, 0}, 0.02, 0.79, 0.8, false, true}};
+  for (const Case& c : cases) {
+    CameraPoseReport report;
+    const Eigen::Vector3d turn = c.turned_deg * kDegree;
+    const Mounting found =
+        moved({given.rig_from_camera, 0.0}, (MountingStep() << c.moved_m, turn, c.late_s).finished());
+    report.rig_from_camera = found.rig_from_camera;
+    report.time_offset_s = found.time_offset_s;
+    report.translation_sigma_m.setConstant(0.01);
+    report.rotation_sigma_rad.setConstant(0.05 * kDegree);
+    report.time_sigma_s = 1e-3;
+    report.before_px = c.before_px;
+    report.after_px = c.after_px;
+    if (c.refused) {
+      expect_error(ErrorKind::kNumeric, "allowed at most the 0.79 px with what was given", [&] {
+        settle(given, report);
+      });
+      continue;
+    }
+    settle(given, report);
+    EXPECT_EQ(report.as_given, c.stands) << c.what;
+    const Pose& taken = c.stands ? given.rig_from_camera : found.rig_from_camera;
+    EXPECT_EQ(report.rig_from_camera.translation, taken.translation) << c.what;
+    EXPECT_EQ(report.rig_from_camera.rotation.coeffs(), taken.rotation.coeffs()) << c.what;
+    EXPECT_EQ(report.time_offset_s, c.stands ? 0.0 : c.late_s) << c.what;
+  }
+  // What says nothing contradicts nothing.
+  CameraPoseReport vague;
+  vague.rig_from_camera = given.rig_from_camera;
+  vague.rotation_sigma_rad.y() = 0.21 * kDegree;
+  expect_error(ErrorKind::kNumeric, "found 0.000 m and 0.21 deg, allowed 0.030 m and 0.20 deg", [&] {
+    settle(given, vague);
+  });
 }
 
 TEST(CameraPose, APictureOfAnotherSizeIsRefused) {
