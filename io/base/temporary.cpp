@@ -50,6 +50,7 @@ class Spare {
 struct Registry {
   std::mutex mutex;
   std::set<fs::path> paths;
+  std::set<pid_t> groups;  // of processes
   Spare spare;
   std::atomic<std::size_t> written = 0;  // Temporary objects that may still make a file
 };
@@ -224,10 +225,13 @@ void remove_temporaries() noexcept {
   try {
     Registry& all = registry();
     all.mutex.lock();  // for good: nobody begins another one, or tells of one that has gone
+    for (const pid_t group : all.groups) ::kill(-group, SIGKILL);
     // Whoever was about to make a file, or is filling a folder, does so in spite of it, finds it gone when it
-    // is done, and waits for the lock then. Who takes longer than this has made it long ago.
-    constexpr int kTries = 250;
-    for (int i = 0; i < kTries; ++i) {
+    // is done, and waits for the lock then. Who takes longer than this has made it long ago. A busy machine gets
+    // a few tries all the same.
+    constexpr int kFewestTries = 10;
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
+    for (int i = 0; i < kFewestTries || std::chrono::steady_clock::now() < end; ++i) {
       const bool is_last = all.written == 0;
       for (const fs::path& path : all.paths) remove_all_of(path, all.spare);
       if (is_last) break;
@@ -247,6 +251,18 @@ void keep_at_end(const fs::path& path) {
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
   all.paths.erase(fs::absolute(path));
+}
+
+void kill_at_end(pid_t group) {
+  Registry& all = registry();
+  const std::lock_guard lock(all.mutex);
+  all.groups.insert(group);
+}
+
+void spare_at_end(pid_t group) {
+  Registry& all = registry();
+  const std::lock_guard lock(all.mutex);
+  all.groups.erase(group);
 }
 
 void remove_stale_temporaries(const fs::path& target) {

@@ -2,6 +2,7 @@
 // Files and folders on their way to be there: written beside what they become, under a name of their own.
 #include <filesystem>
 #include <functional>
+#include <sys/types.h>
 
 namespace simuli {
 
@@ -36,6 +37,9 @@ void remove_temporaries() noexcept;
 /// Also removed by remove_temporaries(), until keep_at_end().
 void remove_at_end(const std::filesystem::path& path);
 void keep_at_end(const std::filesystem::path& path);
+/// A group of processes that write into what is removed: killed by remove_temporaries(), until spare_at_end().
+void kill_at_end(pid_t group);
+void spare_at_end(pid_t group);
 
 /// Removes temporaries of `target` whose processes are dead: killed before they could.
 void remove_stale_temporaries(const std::filesystem::path& target);

@@ -2,17 +2,23 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fmt/format.h>
 #include <set>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <system_error>
+#include <thread>
+#include <unistd.h>
 #include <utility>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 #include "io/base/file.hpp"
 #include "io/base/scratch_folder.hpp"
+#include "io/base/temporary.hpp"
 #include "io/log/log_json.hpp"
 #include "io/log/sensor_json.hpp"
 #include "io/picture/image.hpp"
@@ -54,18 +60,55 @@ void write_views(const fs::path& folder, const std::vector<FixerView>& views, in
   write_file_atomically(folder / "views.json", root.dump(1) + '\n');
 }
 
+/// The program and whatever it starts. What it prints goes to stderr: stdout may be JSON.
+class ProcessGroup {
+ public:
+  ProcessGroup(const std::string& command, char* const* arguments) {
+    posix_spawn_file_actions_t files;
+    posix_spawnattr_t attributes;
+    posix_spawn_file_actions_init(&files);
+    posix_spawnattr_init(&attributes);
+    posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    const int failed = posix_spawn(&leader_, "/bin/sh", &files, &attributes, arguments, environ);
+    posix_spawnattr_destroy(&attributes);
+    posix_spawn_file_actions_destroy(&files);
+    if (failed != 0) refuse(command, "program", "no shell to run it", "/bin/sh");
+    kill_at_end(leader_);
+  }
+  ProcessGroup(const ProcessGroup&) = delete;
+  ProcessGroup& operator=(const ProcessGroup&) = delete;
+  ~ProcessGroup() { spare_at_end(leader_); }
+
+  /// Its status. What Interruption::ask() throws ends it.
+  [[nodiscard]] int wait() const {
+    constexpr std::chrono::milliseconds kLookAgain{20};
+    int status = 0;
+    try {
+      while (::waitpid(leader_, &status, WNOHANG) == 0) {
+        Interruption::ask();
+        std::this_thread::sleep_for(kLookAgain);
+      }
+    } catch (...) {
+      ::kill(-leader_, SIGKILL);
+      ::waitpid(leader_, &status, 0);
+      throw;
+    }
+    return status;
+  }
+
+ private:
+  pid_t leader_ = 0;
+};
+
 void run(const std::string& command, const fs::path& in, const fs::path& out) {
   std::array<std::string, 6> words{"sh", "-c", command + " \"$@\"", "fixer", in.string(), out.string()};
   std::array<char*, 7> arguments{};
   std::transform(
       words.begin(), words.end(), arguments.begin(), [](std::string& word) { return word.data(); });
-  pid_t child = 0;
-  if (posix_spawn(&child, "/bin/sh", nullptr, nullptr, arguments.data(), environ) != 0) {
-    refuse(command, "program", "no shell to run it", "/bin/sh");
-  }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  const ProcessGroup group(command, arguments.data());
+  const int status = group.wait();
   if (WIFSIGNALED(status)) refuse(command, "end", fmt::format("signal {}", WTERMSIG(status)), "exit code 0");
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     refuse(command, "end", fmt::format("exit code {}", WEXITSTATUS(status)), "exit code 0");
@@ -76,7 +119,9 @@ std::vector<Image> read_views(const std::string& command,
                               const fs::path& folder,
                               const std::vector<FixerView>& views) {
   std::set<std::string> left, missing;
-  for (const auto& entry : fs::directory_iterator(folder)) left.insert(entry.path().filename().string());
+  std::error_code failed;  // it may have removed its folder
+  for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
+    left.insert(at->path().filename().string());
   for (const FixerView& view : views) {
     if (left.erase(view.name + ".png") == 0) missing.insert(view.name + ".png");
   }

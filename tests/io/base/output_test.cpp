@@ -155,6 +155,42 @@ TEST(Temporaries, AtTheEndAlsoThoseGoThatAreMadeJustThen) {
   EXPECT_EQ(entries_of(scratch.path()), fs::exists(scratch / "x") ? 1U : 0U);
 }
 
+TEST(Temporaries, GoSoonWhoeverHoldsThem) {
+  const Scratch scratch;
+  const pid_t ends = fork();
+  if (ends == 0) {
+    const Temporary folder(scratch / "x.log");  // of a thread that is in its sums for long
+    fs::create_directories(folder.path() / "images");
+    const auto begin = std::chrono::steady_clock::now();
+    remove_temporaries();
+    ::_exit(std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(450) ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(ends, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(entries_of(scratch.path()), 0U);
+}
+
+TEST(Temporaries, TakeProcessesThatWriteIntoThemAlong) {
+  const Scratch scratch;
+  const pid_t writer = fork();
+  if (writer == 0) {
+    ::setpgid(0, 0);
+    for (;;) ::pause();
+  }
+  ::setpgid(writer, writer);
+  const pid_t ends = fork();
+  if (ends == 0) {
+    kill_at_end(writer);
+    remove_temporaries();
+    ::_exit(0);
+  }
+  waitpid(ends, nullptr, 0);
+  int status = 0;
+  waitpid(writer, &status, 0);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+}
+
 TEST(Temporaries, OfDeadProcessesGo) {
   const Scratch scratch;
   const pid_t dead = fork();

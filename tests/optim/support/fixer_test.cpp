@@ -1,10 +1,13 @@
 // Programs that mend pictures: the protocol, and trainings that learn from them.
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <gtest/gtest.h>
 #include <memory>
+#include <stdexcept>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 #include "optim/fixer/run_fixer.hpp"
 #include "optim/train/trainer.hpp"
 #include "optim/train/training.hpp"
@@ -70,12 +73,42 @@ TEST(RunFixer, ProgramsThatFailAreOneLine) {
   refused("/no/such/program", "exit code 127");
   refused("kill -9 $$;", "signal 9");
   refused("true", "no 000000.png");
+  refused("gone() { rm -r \"$2\"; }; gone", "no 000000.png");
+  refused("gone() { rm -r \"$(dirname \"$2\")\"; }; gone", "no 000000.png");
+  refused("file() { rmdir \"$2\"; echo x > \"$2\"; }; file", "no 000000.png");
   refused("some() { cp \"$1/000000.png\" \"$2/\"; }; some", "no 000001.png");
   refused("more() { cp \"$1\"/* \"$2/\"; }; more", "named as those it was given alone");
   refused("junk() { for b in 000000 000001; do echo junk > \"$2/$b.png\"; done; }; junk", "000000.png");
   refused("small() { for b in 000000 000001; do cp \"" +
               (fs::path(testing::TempDir()) / "none.png").string() + "\" \"$2/$b.png\"; done; }; small",
           "exit code 1");
+}
+
+TEST(RunFixer, WhatAProgramPrintsIsNoData) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  (void)run_fixer("echo loading the model...; " + kCopy, two_views(), 7);
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "loading the model...\n");
+}
+
+TEST(RunFixer, AnInterruptionEndsAllThatItStarted) {
+  const fs::path told = fs::path(testing::TempDir()) / "fixer_interrupted";
+  const auto text = [&] {
+    std::ifstream in(told);
+    return std::string{std::istreambuf_iterator<char>(in), {}};
+  };
+  fs::remove(told);
+  const std::function<void()> check = [&] {
+    if (text().ends_with('\n')) throw std::runtime_error("interrupted");
+  };
+  const Interruption interruption(check);
+  const std::string command = "sleep 300 & echo $! > " + told.string() + "; wait;";
+  EXPECT_THROW((void)run_fixer(command, two_views(), 0), std::runtime_error);
+  std::string state;  // of the sleep: none, or dead and not yet waited for
+  std::ifstream("/proc/" + std::to_string(std::stoi(text())) + "/stat") >> state >> state >> state;
+  EXPECT_TRUE(state.empty() || state == "Z" || state == "X") << state;
+  fs::remove(told);
 }
 
 TEST(RunFixer, PicturesOfAnotherSizeAreRefused) {
