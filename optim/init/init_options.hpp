@@ -105,6 +105,7 @@ struct InitReport {
   std::size_t joined_points = 0;  // voxels that no picture shows apart from others
   std::size_t depth_points = 0;   // of pictures where no laser reached, voxels
   std::size_t wall_points = 0;    // on walls above the laser's reach
+  std::size_t ground_points = 0;  // on the ground around the rig that no laser reached
   std::size_t unmet_points = 0;   // on walls above the laser's reach, for LiDARs that look higher
   std::size_t lidar_cells = 0;    // voxels of the background's LiDAR set, grown where that costs nothing
   std::size_t lidar_thinned = 0;  // of those, left out to keep to max_lidar

@@ -12,9 +12,11 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/fields.hpp"
+#include "host/core/scene/ground/ground_mesh.hpp"
 #include "io/splat/ply.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/init/dark_surfaces.hpp"
+#include "optim/init/ground_near.hpp"
 #include "optim/init/initialize_actors.hpp"
 #include "optim/init/initialize_depth.hpp"
 #include "optim/init/initialize_environment.hpp"
@@ -153,6 +155,7 @@ class Initialisation {
     out_.unmet = walls_upward(log_, sweeps_, scene_.origin, points_, options_, [this] { step(); });
     report_.unmet_points = static_cast<std::size_t>(out_.unmet.size());
     place_dark_surfaces();
+    add_ground();
     add_points_of_pictures();
     take_colours();
     place_camera_set();
@@ -164,8 +167,10 @@ class Initialisation {
   void drop_moving();
   void place_lidar_set();
   void place_dark_surfaces();
+  void add_ground();
   void add_points_of_pictures();
   void take_colours();
+  std::size_t keep_seen_ground();
   void place_camera_set();
 
   /// A file has been read.
@@ -192,6 +197,7 @@ class Initialisation {
   std::vector<PointLook> looks_;  // at points_, then at the actors' points
   std::vector<ImageView> views_;  // [images_]
   std::optional<FarShell> shell_, sky_;
+  std::size_t ground_begin_ = 0, ground_end_ = 0;  // of points_: that no laser reached
 };
 
 /// Returns become one point per voxel, those in actors' boxes points of the actors.
@@ -261,6 +267,19 @@ void Initialisation::place_dark_surfaces() {
   points_.append(dark[0]);
 }
 
+/// The ground around the rig that no laser reached, for the camera set.
+void Initialisation::add_ground() {
+  ground_begin_ = ground_end_ = points_.size();
+  if (scene_.lidar.size() == 0) return;
+  std::vector<Pose> path;
+  for (const ImageFrame* frame : images_) {
+    path.push_back(log_.world_from_rig.at(middle_s(*frame)));
+    path.back().translation -= scene_.origin;
+  }
+  points_.append(ground_near(ground_of(scene_), path, points_, options_.voxel_m));
+  ground_end_ = points_.size();
+}
+
 /// Points for the camera set alone: the log's own, those in the holes that no laser fills, and those whose
 /// depth only pictures tell.
 void Initialisation::add_points_of_pictures() {
@@ -316,9 +335,24 @@ void Initialisation::take_colours() {
   report_.images = images_.size();
 }
 
+/// Of the ground that no laser reached only what pictures show is known to be there. Returns how much it is.
+std::size_t Initialisation::keep_seen_ground() {
+  std::vector<std::uint32_t> kept;
+  std::size_t ground = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const bool is_ground = i >= ground_begin_ && i < ground_end_;
+    if (is_ground && !std::isfinite(looks_[i].range_m)) continue;
+    ground += is_ground ? 1 : 0;
+    kept.push_back(static_cast<std::uint32_t>(i));
+  }
+  keep(points_, looks_, kept);
+  return ground;
+}
+
 void Initialisation::place_camera_set() {
   auto actor_looks = actors_->split(looks_, points_.size());
   looks_.resize(points_.size());
+  report_.ground_points = keep_seen_ground();
   const UnseenSurfaces unseen = unseen_surfaces(points_, looks_, views_, options_);
   report_.unseen_points = keep_seen(points_, looks_) - unseen.points;
   report_.joined_points = join_by_footprint(points_, looks_, options_.voxel_m, kCameraVoxel_px);
@@ -367,6 +401,7 @@ InitReport& InitReport::operator+=(const InitReport& other) {
   joined_points += other.joined_points;
   depth_points += other.depth_points;
   wall_points += other.wall_points;
+  ground_points += other.ground_points;
   unmet_points += other.unmet_points;
   lidar_cells += other.lidar_cells;
   lidar_thinned += other.lidar_thinned;

@@ -92,6 +92,7 @@ void print_report(const TrainingReport& report, const std::string& scene, bool j
                                         {"find_seconds", found.seconds},
                                         {"depth_points", init.depth_points},
                                         {"wall_points", init.wall_points},
+                                        {"ground_points", init.ground_points},
                                         {"moving_points", init.moving_points},
                                         {"train_psnr_db", r.last.psnr_db},
                                         {"train_distance_m", r.last.distance_m},
