@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "host/core/base/interruption.hpp"
 #include "io/log/sweep_file.hpp"
 
 namespace simuli {
@@ -31,6 +32,7 @@ std::shared_ptr<const FrameFiles::Frame> FrameFiles::keep(const std::string& key
 }
 
 std::shared_ptr<const FrameFiles::Frame> FrameFiles::get(const Wish& wish) {
+  Interruption::ask();  // whole drives are read between two kernels
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return under_way_ != wish.key; });
   if (auto kept = kept_.find(wish.key)) return kept;

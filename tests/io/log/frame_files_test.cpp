@@ -3,10 +3,13 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <gtest/gtest.h>
+#include <stdexcept>
 #include <thread>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 #include "host/core/sensors/lidar.hpp"
 #include "io/synth/street.hpp"
 #include "tests/io/scratch.hpp"
@@ -63,6 +66,19 @@ TEST(FrameFiles, WhatWasReadIsKeptWithinTheBudget) {
   EXPECT_EQ(number_of(files.get(numbered.wish(0))), 0.0F);
   EXPECT_EQ(numbered.made, 5);
   EXPECT_EQ(files.reads(), 5U);
+}
+
+TEST(FrameFiles, AnInterruptionIsHeardBetweenThem) {
+  Numbered numbered;
+  FrameFiles files(3 * kFrameBytes);
+  (void)files.get(numbered.wish(0));
+  {
+    const std::function<void()> check = [] { throw std::runtime_error("interrupted"); };
+    const Interruption interruption(check);
+    for (int i = 0; i < 2; ++i) EXPECT_THROW((void)files.get(numbered.wish(i)), std::runtime_error) << i;
+  }
+  EXPECT_EQ(numbered.made, 1);
+  EXPECT_EQ(number_of(files.get(numbered.wish(1))), 1.0F);
 }
 
 TEST(FrameFiles, WhatIsExpectedIsReadAheadAndNoFarther) {
