@@ -1,8 +1,10 @@
 #include "host/apps/cli/draw/html_report.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <string>
 #include <vector>
@@ -143,6 +145,61 @@ TEST(HtmlReport, DrawsBarsFromTheirFoot) {
   EXPECT_TRUE(holds(report.html(), "<title>near m: 0</title>"));
   EXPECT_TRUE(holds(report.html(), "height=\"0.0\""));
   EXPECT_TRUE(holds(report.html(), "height=\"192.0\""));
+}
+
+/// One bin of four returns made all others of a chart one pixel high.
+TEST(HtmlReport, ABarFarAboveTheOthersIsCutOff) {
+  struct Case {
+    std::vector<double> values;
+    bool cut;
+  };
+  for (const Case& c : {Case{{5.5, 15.6, 47.0, 106.2, 2051.87}, true},
+                        Case{{0.3, 0.4, 1.3, 1.4, 19.4}, true},
+                        Case{{5.5, 15.6, 47.0, 106.2, 244.2}, false},  // grows with range
+                        Case{{1.0, 2.0}, false},
+                        Case{{0.0, 7.0}, false},
+                        Case{{31.5, 30.9, 30.1, 28.2}, false}}) {
+    HtmlReport report("title", "sub");
+    report.bars("d", std::vector<std::string>(c.values.size(), "bin"), {{"m", {}, c.values}});
+    EXPECT_EQ(holds(report.html(), "class=\"cut\""), c.cut) << c.values.back();
+    EXPECT_EQ(holds(report.html(), ">2052</text>"), c.values.back() > 1000.0);
+  }
+}
+
+/// The axis of curves is that of most points.
+TEST(HtmlReport, OnePointFarAwayFlattensNoCurve) {
+  struct Case {
+    std::vector<double> y;
+    int beyond;
+  };
+  std::vector<double> training;  // PSNR while training: a steep start is no outlier
+  for (int i = 0; i < 100; ++i) training.push_back(32.0 - 12.0 * std::exp(-0.05 * i));
+  for (const Case& c : {Case{{30.1, 30.2, 29.9, 30.0, 30.3, 30.1, 12.0, 30.2, 30.0, 30.1}, 1},
+                        Case{{1.0, 1.1, 0.9, 1.0, 1.2, 1.1, 1.0, 950.0, 0.9, 1.0}, 1},
+                        Case{{5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 5.0, 6.0}, 1},
+                        Case{{1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0}, 0},
+                        Case{{1.0, 900.0}, 0},
+                        Case{training, 0}}) {
+    HtmlReport report("title", "sub");
+    std::vector<double> x(c.y.size());
+    std::iota(x.begin(), x.end(), 0.0);
+    report.chart("c", "x", {{"s", x, c.y}});
+    const std::string html = report.html();
+    int beyond = 0;
+    for (std::size_t at = 0; (at = html.find("<polygon", at)) != std::string::npos; ++at) ++beyond;
+    EXPECT_EQ(beyond, c.beyond) << c.y.front() << ' ' << c.y.size();
+  }
+}
+
+/// A phone shows a wide table row by row, with the columns' names in it.
+TEST(HtmlReport, CellsOfWideTablesKnowTheirColumn) {
+  HtmlReport report("title", "sub");
+  report.table({"", "a", "b", "c", "d <e>"}, {{"row", "1", "2", "3", "4"}});
+  EXPECT_TRUE(holds(report.html(), "<td>row</td><td data-name=\"a\">1</td>"));
+  EXPECT_TRUE(holds(report.html(), "<td data-name=\"d &lt;e&gt;\">4</td>"));
+  HtmlReport narrow("title", "sub");
+  narrow.table({"metric", "value", "unit"}, {{"PSNR", "30", "dB"}});
+  EXPECT_FALSE(holds(narrow.html(), "data-name"));
 }
 
 TEST(HtmlReport, LeavesOutWhatCantBeDrawn) {

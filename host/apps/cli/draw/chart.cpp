@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <fmt/format.h>
 #include <limits>
+#include <utility>
 
 #include "host/apps/cli/draw/html_text.hpp"
 
@@ -33,6 +34,29 @@ double nice_step(double span, int count) {
     if (factor * power >= raw) return factor * power;
   }
   return 10.0 * power;
+}
+
+/// "12.3", "2052": three digits, and all of those before the point.
+std::string value_text(double value) {
+  return std::abs(value) < 1000.0 ? fmt::format("{:.3g}", value) : fmt::format("{:.0f}", value);
+}
+
+/// Of most of the values: from the least to the greatest that lies no farther beyond the middle eighty per cent
+/// than these are wide. Of few values all.
+Span span_of_most(std::vector<double> values) {
+  constexpr std::size_t kFew = 8;
+  Span all;
+  for (const double value : values) all.include(value);
+  if (values.size() < kFew) return all;
+  std::sort(values.begin(), values.end());
+  const double low = values[values.size() / 10], high = values[values.size() - 1 - values.size() / 10];
+  constexpr double kLeast = 0.02;  // of the values themselves: equal ones have a width, too
+  const double width = std::max(high - low, kLeast * std::max(std::abs(low), std::abs(high)));
+  Span most;
+  for (const double value : values) {
+    if (value >= low - width && value <= high + width) most.include(value);
+  }
+  return most;
 }
 
 /// A drawing with a vertical axis.
@@ -79,20 +103,25 @@ const char* colour_of(std::size_t series) { return kColours[series % kColours.si
 
 std::string curves_svg(const std::string& x_label, const std::vector<ChartSeries>& series) {
   constexpr std::size_t kMostMarks = 60;
-  Span x, y;
+  constexpr std::ptrdiff_t kMostTold = 2;
+  Span x;
+  std::vector<double> values;
   std::size_t drawn = 0;
   for (const ChartSeries& s : series) {
     for (std::size_t i = 0; i < s.x.size(); ++i) {
       if (!std::isfinite(s.y[i])) continue;
       x.include(s.x[i]);
-      y.include(s.y[i]);
+      values.push_back(s.y[i]);
       ++drawn;
     }
   }
   if (drawn < 2 || !(x.high > x.low)) return {};
   constexpr double kMargin = 0.04;  // so that no mark is cut off
-  const double margin = kMargin * (y.high - y.low);
-  y = {y.low - margin, y.high + margin};
+  const Span most = span_of_most(values);
+  const auto told =
+      std::count_if(values.begin(), values.end(), [&](double v) { return v < most.low || v > most.high; });
+  const double margin = kMargin * (most.high - most.low);
+  const Span y{most.low - margin, most.high + margin};
   const auto px = [&](double v) {
     return kLeft + (v - x.low) / (x.high - x.low) * (kWidth - kLeft - kRight);
   };
@@ -105,11 +134,33 @@ std::string curves_svg(const std::string& x_label, const std::vector<ChartSeries
   }
   drawing.text(0.5 * (kLeft + kWidth - kRight), kHeight - 4, "middle", x_label);
   for (std::size_t s = 0; s < series.size(); ++s) {
-    std::string points, marks;
+    std::string points, marks, beyond;
     for (std::size_t i = 0; i < series[s].x.size(); ++i) {
       if (!std::isfinite(series[s].y[i])) continue;
-      const double at_x = px(series[s].x[i]), at_y = drawing.y(series[s].y[i]);
+      const double value = series[s].y[i], at_x = px(series[s].x[i]);
+      const bool is_above = value > most.high, is_beyond = is_above || value < most.low;
+      const double at_y = is_above ? kTop : is_beyond ? kHeight - kBottom : drawing.y(value);
       points += fmt::format("{:.1f},{:.1f} ", at_x, at_y);
+      if (is_beyond) {
+        const double foot = at_y + (is_above ? 7.0 : -7.0);
+        beyond += fmt::format(
+            R"(<polygon points="{:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f}" fill="{}"><title>{} {:.5g}: {:.5g}</title></polygon>)",
+            at_x,
+            at_y,
+            at_x - 4.0,
+            foot,
+            at_x + 4.0,
+            foot,
+            colour_of(s),
+            escaped_html(series[s].name),
+            series[s].x[i],
+            value);
+        // The values of few can be read; those of a curve that comes from far away would hide each other.
+        if (told <= kMostTold) {
+          drawing.text(at_x + 6.0, is_above ? at_y + 8.0 : at_y - 2.0, "start", value_text(value));
+        }
+        continue;
+      }
       marks += fmt::format(
           R"(<circle cx="{:.1f}" cy="{:.1f}" r="2.5" fill="{}"><title>{} {:.5g}: {:.5g}</title></circle>)",
           at_x,
@@ -117,23 +168,30 @@ std::string curves_svg(const std::string& x_label, const std::vector<ChartSeries
           colour_of(s),
           escaped_html(series[s].name),
           series[s].x[i],
-          series[s].y[i]);
+          value);
     }
     drawing.add(fmt::format(
         R"(<polyline fill="none" stroke="{}" stroke-width="1.6" points="{}"/>)", colour_of(s), points));
     if (series[s].x.size() <= kMostMarks) drawing.add(marks);
+    drawing.add(beyond);
   }
   return std::move(drawing).finish();
 }
 
 std::string bars_svg(const std::vector<std::string>& labels, const std::vector<ChartSeries>& series) {
   Span y;
+  std::vector<double> values;
   for (const ChartSeries& s : series) {
     for (const double value : s.y) {
-      if (std::isfinite(value)) y.include(value);
+      if (std::isfinite(value)) y.include(value), values.push_back(value);
     }
   }
   if (!(y.high >= y.low)) return {};
+  constexpr double kFar = 3.0;  // times the next: cut off
+  constexpr double kRoom = 1.25;
+  std::sort(values.begin(), values.end());
+  while (values.size() > 1 && values.back() > kFar * values[values.size() - 2]) values.pop_back();
+  if (values.back() > 0.0 && values.back() < y.high) y.high = kRoom * values.back();
   constexpr double kHardlyDiffer = 0.5;  // of the greatest
   const bool from_zero = !(y.low > kHardlyDiffer * y.high);
   const double foot =
@@ -147,7 +205,8 @@ std::string bars_svg(const std::vector<std::string>& labels, const std::vector<C
     for (std::size_t s = 0; s < series.size(); ++s) {
       const double value = series[s].y[i];
       if (!std::isfinite(value)) continue;
-      const double top = drawing.y(value), bottom = drawing.y(foot),
+      const bool is_cut = value > y.high;
+      const double top = is_cut ? kTop : drawing.y(value), bottom = drawing.y(foot),
                    x = left + width * static_cast<double>(s);
       drawing.add(fmt::format(
           R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" fill="{}"><title>{} {}: {:.5g}</title></rect>)",
@@ -159,7 +218,16 @@ std::string bars_svg(const std::vector<std::string>& labels, const std::vector<C
           escaped_html(labels[i]),
           escaped_html(series[s].name),
           value));
-      drawing.text(x + 0.47 * width, top - 3, "middle", fmt::format("{:.3g}", value));
+      if (is_cut) {  // two strokes through it
+        for (const double below : {10.0, 15.0}) {
+          drawing.add(fmt::format(R"(<line x1="{:.1f}" y1="{:.1f}" x2="{:.1f}" y2="{:.1f}" class="cut"/>)",
+                                  x - 2.0,
+                                  top + below + 3.0,
+                                  x + 0.94 * width + 2.0,
+                                  top + below - 3.0));
+        }
+      }
+      drawing.text(x + 0.47 * width, top - 3, "middle", value_text(value));
     }
   }
   return std::move(drawing).finish();

@@ -12,12 +12,13 @@ struct ChartSeries {
   std::vector<double> y;
 };
 
-/// Curves over one axis; few points have marks that tell their values. Empty when no series has two finite
-/// points.
+/// Curves over one axis; few points have marks that tell their values. The axis is that of most points: those
+/// far outside stand at its edge, as triangles with their value. Empty when no series has two finite points.
 [[nodiscard]] std::string curves_svg(const std::string& x_label, const std::vector<ChartSeries>& series);
 
 /// Bars of the series' y beside each other at each of `labels`; their x is not looked at. From 0, or from a
-/// little below the least where bars from 0 would hardly differ. Empty when nothing is finite.
+/// little below the least where bars from 0 would hardly differ. One that is more than thrice the next is cut
+/// off, with its value on it. Empty when nothing is finite.
 [[nodiscard]] std::string bars_svg(const std::vector<std::string>& labels,
                                    const std::vector<ChartSeries>& series);
 

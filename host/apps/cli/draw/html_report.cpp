@@ -121,17 +121,31 @@ void HtmlReport::paragraph(const std::string& text) {
 std::string HtmlReport::table_html(const char* css_class,
                                    const std::vector<std::string>& header,
                                    const std::vector<std::vector<std::string>>& rows) const {
-  std::string html;
-  const auto row = [&](const std::vector<std::string>& cells, const char* tag) {
+  constexpr std::size_t kFitsAPhone = 4;  // columns
+  const bool is_wide = header.size() > kFitsAPhone;
+  std::string html =
+      fmt::format("<div class=\"{}{}\"><table>\n<thead><tr>", css_class, is_wide ? " wide" : "");
+  for (const std::string& name : header) html += fmt::format("<th>{}</th>", escaped_html(name));
+  html += "</tr></thead>\n<tbody>";
+  for (const std::vector<std::string>& cells : rows) {
     html += "<tr>";
-    for (const std::string& cell : cells) html += fmt::format("<{0}>{1}</{0}>", tag, escaped_html(cell));
+    for (std::size_t c = 0; c < cells.size(); ++c) {
+      const std::string name =
+          is_wide && c > 0 ? fmt::format(" data-name=\"{}\"", escaped_html(header[c])) : "";
+      html += fmt::format("<td{}>{}</td>", name, escaped_html(cells[c]));
+    }
     html += "</tr>\n";
-  };
-  html += fmt::format("<div class=\"{}\"><table>\n<thead>", css_class);
-  row(header, "th");
-  html += "</thead>\n<tbody>";
-  for (const std::vector<std::string>& cells : rows) row(cells, "td");
+  }
   return html + "</tbody></table></div>\n";
+}
+
+void HtmlReport::facts(const std::string& text, const std::vector<Fact>& facts) {
+  std::string html = fmt::format("<p>{}</p>\n<dl class=\"facts\">", escaped_html(text));
+  for (const Fact& fact : facts) {
+    html +=
+        fmt::format("<div><dd>{}</dd><dt>{}</dt></div>", escaped_html(fact.value), escaped_html(fact.name));
+  }
+  add("", html + "</dl>\n");
 }
 
 void HtmlReport::table(const std::vector<std::string>& header,

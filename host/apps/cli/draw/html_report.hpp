@@ -37,11 +37,18 @@ class HtmlReport {
   /// Begins a part, which the list below the title leads to.
   void heading(const std::string& text);
   void paragraph(const std::string& text);
-  /// The first column is a row's name. Every row has as many cells as `header`.
+  /// What matters most, large, each with its name below; `text` stands above.
+  struct Fact {
+    std::string name;
+    std::string value;
+  };
+  void facts(const std::string& text, const std::vector<Fact>& facts);
+  /// The first column is a row's name. On a phone each row of a wide table is a block of its own, with the
+  /// columns' names in it. Every row has as many cells as `header`.
   void table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
   /// The same of words.
   void text_table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows);
-  /// A table of words, folded away behind `summary` but on paper.
+  /// A table of words, folded away behind `summary`; on paper it is left out.
   void folded_table(const std::string& summary,
                     const std::vector<std::string>& header,
                     const std::vector<std::vector<std::string>>& rows);

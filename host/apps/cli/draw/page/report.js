@@ -82,13 +82,3 @@ large.addEventListener('close', () => {
   stage.replaceChildren();
 });
 addEventListener('resize', fitShown);
-
-// On paper nothing unfolds.
-let folded = [];
-addEventListener('beforeprint', () => {
-  folded = [...document.querySelectorAll('details:not([open])')];
-  for (const details of folded) details.open = true;
-});
-addEventListener('afterprint', () => {
-  for (const details of folded) details.open = false;
-});
