@@ -344,4 +344,11 @@ void write_scene(const fs::path& folder, const SceneFile& scene) {
   });
 }
 
+void rewrite_scene_json(const fs::path& folder, const SceneFile& scene) {
+  const fs::path file = folder / kSceneName;
+  const std::string text = to_text(scene, file.string());
+  (void)parse_scene(text, file.string());
+  write_file_atomically(file, text);
+}
+
 }  // namespace simuli

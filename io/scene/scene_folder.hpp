@@ -44,5 +44,8 @@ struct SceneFile {
 /// happens meanwhile, one of the two is there and whole. Error{kInput} for what could not be read back, and
 /// for a folder with anything but a scene in it.
 void write_scene(const std::filesystem::path& folder, const SceneFile& scene);
+/// Writes scene.json anew, in one step, of a folder that write_scene() has written and whose particles are the
+/// same.
+void rewrite_scene_json(const std::filesystem::path& folder, const SceneFile& scene);
 
 }  // namespace simuli

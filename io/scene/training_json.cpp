@@ -33,7 +33,43 @@ std::vector<std::string> read_lines(JsonObject& object, const std::string& key) 
   return lines;
 }
 
+/// A score: null where there is no such frame.
+double read_score(JsonObject& object, const char* key) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const Json& score = object.get(key);
+  return score.is_null() ? kNone : object.number(key);
+}
+
+HeldOutScores read_scores(JsonObject& object) {
+  constexpr int kMost = std::numeric_limits<int>::max();
+  HeldOutScores s;
+  s.images = static_cast<std::size_t>(object.integer("images", 0, kMost));
+  s.sweeps = static_cast<std::size_t>(object.integer("sweeps", 0, kMost));
+  s.image_width = static_cast<int>(object.integer("image_width_px", 0, kMost));
+  s.image_height = static_cast<int>(object.integer("image_height_px", 0, kMost));
+  s.psnr_db = read_score(object, "psnr_db");
+  s.ssim = read_score(object, "ssim");
+  s.distance_median_m = read_score(object, "distance_median_m");
+  s.intensity_rmse = read_score(object, "intensity_rmse");
+  s.raydrop_accuracy = read_score(object, "raydrop_accuracy");
+  s.chamfer_m = read_score(object, "chamfer_m");
+  return s;
+}
+
 }  // namespace
+
+Json to_json(const HeldOutScores& s) {
+  return {{"images", s.images},
+          {"sweeps", s.sweeps},
+          {"image_width_px", s.image_width},
+          {"image_height_px", s.image_height},
+          {"psnr_db", s.psnr_db},
+          {"ssim", s.ssim},
+          {"distance_median_m", s.distance_median_m},
+          {"intensity_rmse", s.intensity_rmse},
+          {"raydrop_accuracy", s.raydrop_accuracy},
+          {"chamfer_m", s.chamfer_m}};
+}
 
 Json to_json(const TrainingRecord& r) {
   Json sensors = Json::array();
@@ -55,7 +91,8 @@ Json to_json(const TrainingRecord& r) {
           {"settings", r.settings},
           {"simuli", r.version},
           {"device", r.device},
-          {"driver", r.driver}};
+          {"driver", r.driver},
+          {"held_out", r.held_out ? to_json(*r.held_out) : Json()}};
 }
 
 TrainingRecord training_from_json(JsonObject& object) {
@@ -89,6 +126,10 @@ TrainingRecord training_from_json(JsonObject& object) {
   r.version = object.text("simuli");
   r.device = object.text("device");
   r.driver = object.text("driver");
+  // Scenes made before they were kept are without.
+  if (object.has("held_out") && !object.get("held_out").is_null()) {
+    r.held_out = object.object("held_out", read_scores);
+  }
   const Fields fields = fields_of(r.frames);
   for (const Field& field : fields.all()) {
     if (field.is_sound()) continue;

@@ -4,6 +4,8 @@
 
 namespace simuli {
 
+/// What is not finite as null.
+[[nodiscard]] Json to_json(const HeldOutScores& scores);
 [[nodiscard]] Json to_json(const TrainingRecord& record);
 /// Errors as in io/base/json_reader.hpp.
 [[nodiscard]] TrainingRecord training_from_json(JsonObject& object);

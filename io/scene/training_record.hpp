@@ -1,5 +1,6 @@
 #pragma once
 // How a scene was made: the key "training" of scene.json.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,19 @@
 namespace simuli {
 
 /// What it takes to make the scene again, and to know which frames it has not seen.
+/// What the frames that a training held out say of its scene, as `simuli eval` says it. NaN: no such frame.
+struct HeldOutScores {
+  std::size_t images = 0, sweeps = 0;  // compared
+  int image_width = 0;                 // px, of the pictures compared
+  int image_height = 0;
+  double psnr_db = 0.0;
+  double ssim = 0.0;
+  double distance_median_m = 0.0;
+  double intensity_rmse = 0.0;
+  double raydrop_accuracy = 0.0;
+  double chamfer_m = 0.0;
+};
+
 struct TrainingRecord {
   std::string log_name = {};
   std::string log_hash = {};  // io/log/log.hpp
@@ -20,6 +34,7 @@ struct TrainingRecord {
   std::string version = {};                // of simuli
   std::string device = {};
   std::string driver = {};
+  std::optional<HeldOutScores> held_out = {};  // none where none was held out, or it was not asked
 };
 
 }  // namespace simuli

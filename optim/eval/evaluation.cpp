@@ -355,6 +355,10 @@ Camera Evaluation::camera(const ImageFrame& frame) const {
 
 EvalReport Evaluation::run(const Progress& progress) { return Run(*this, progress).run(); }
 
+void Evaluation::keep(const HeldOutScores& scores) {
+  if (scene_.training) scene_.training->held_out = scores;
+}
+
 PicturePair Evaluation::picture(std::size_t index) {
   const ImageFrame& frame = log_.images[index];
   const Camera model = camera(frame);

@@ -67,6 +67,8 @@ class Evaluation {
   /// Renders each of the frames and compares it. `progress` is called after each. Error{kInput} when one
   /// can't be read.
   [[nodiscard]] EvalReport run(const Progress& progress = {});
+  /// scene() tells them from here on, if it tells how it was trained.
+  void keep(const HeldOutScores& scores);
   /// A frame of log().images or log().sweeps, at the size that is compared.
   [[nodiscard]] PicturePair picture(std::size_t index);
   [[nodiscard]] LidarPair sweep(std::size_t index);

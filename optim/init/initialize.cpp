@@ -149,6 +149,7 @@ class Initialisation {
   }
 
   [[nodiscard]] SceneInit run() && {
+    tell();
     read_returns();
     if (options_.drop_moving) drop_moving();
     place_lidar_set();
@@ -176,6 +177,9 @@ class Initialisation {
   /// A file has been read.
   void step() {
     ++files_;
+    tell();
+  }
+  void tell() {
     if (!progress_) return;
     progress_(files_,
               (1 + (options_.drop_moving ? 1 : 0) + (options_.lidar_walls_m > 0.0 ? 1 : 0)) * sweeps_.size() +

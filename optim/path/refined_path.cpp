@@ -77,7 +77,8 @@ calibration::AlignOptions align_options(const std::string& lidar) {
 
 }  // namespace
 
-RefinedLog with_refined_path(Log log, const std::function<void(std::size_t, std::size_t)>& progress) {
+RefinedLog with_refined_path(
+    Log log, const std::function<void(const std::string&, std::size_t, std::size_t)>& progress) {
   RefinedLog out{std::move(log), {}};
   const auto [lidar, sweeps] = busiest_lidar(out.log);
   if (sweeps < kFewestSweeps) {
@@ -88,8 +89,8 @@ RefinedLog with_refined_path(Log log, const std::function<void(std::size_t, std:
   out.report.sweeps = sweeps;
   try {
     const calibration::AlignReport found = calibration::align_log(
-        out.log, align_options(lidar), [&](const char*, std::size_t done, std::size_t total) {
-          if (progress) progress(done, total);
+        out.log, align_options(lidar), [&](const char* stage, std::size_t done, std::size_t total) {
+          if (progress) progress(std::string("refine path: ") + stage, done, total);
         });
     PathReport& r = out.report;
     r.recorded_m = found.recorded.median_m;

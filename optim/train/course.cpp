@@ -65,7 +65,10 @@ CourseInOnePiece::CourseInOnePiece(TrainingDrive& drive,
       ray_drop_(std::move(ray_drop)) {}
 
 void CourseInOnePiece::start(const Training::Progress& progress) {
-  SceneInit begin = initialize_scene(log_, options_.frames, options_.init, progress);
+  SceneInit begin = initialize_scene(
+      log_, options_.frames, options_.init, [&progress](std::size_t done, std::size_t total) {
+        if (progress) progress("initialise", done, total);
+      });
   drive_.report.init += begin.report;
   unmet_ = std::move(begin.unmet);
   if (!ray_drop_.empty()) begin.scene.ray_drop = ray_drop_;

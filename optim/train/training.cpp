@@ -96,7 +96,14 @@ void Training::State::choose_course(const Progress& progress) {
   }
   if (course) return;
   const TrainingOptions& o = drive.options;
-  if (o.learn_sensors) drive.log = with_learned_sensors(std::move(drive.log), o.frames);
+  const auto tell = [&progress](const char* stage, std::size_t done) {
+    if (progress) progress(stage, done, 1);
+  };
+  if (o.learn_sensors) {
+    tell("learn sensors", 0);
+    drive.log = with_learned_sensors(std::move(drive.log), o.frames);
+  }
+  tell("find what moves", 0);
   drive.find_moving(drive.log, o.frames);
   course = std::make_unique<CourseInOnePiece>(drive, drive.log, o, drive.identity());
 }

@@ -41,7 +41,8 @@ struct Checkpoints {
 ///   write_scene("drive.scene", training.result());
 class Training {
  public:
-  using Progress = std::function<void(std::size_t done, std::size_t total)>;
+  /// How far a stage is: from 0 on, never back, of a total that stays.
+  using Progress = std::function<void(const std::string& stage, std::size_t done, std::size_t total)>;
   using Observer = std::function<void(const TrainStatus&)>;
 
   /// `log` as it was read. Error{kUsage} for options outside their range, or more ranks than shards.
@@ -54,9 +55,9 @@ class Training {
   Training(const Training&) = delete;
   Training& operator=(const Training&) = delete;
 
-  /// Mends labels (mended_labels.hpp), refines the path (refined_path.hpp), learns what sweeps say of their LiDARs, finds what moves
-  /// and has no label (find_actors.hpp, complete_actors.hpp) and places the first particles, unless that is
-  /// done; `progress` is called after each file of the latter, and after each sweep of the first.
+  /// Mends labels (mended_labels.hpp), refines the path (refined_path.hpp), learns what sweeps say of their
+  /// LiDARs, finds what moves and has no label (find_actors.hpp, complete_actors.hpp) and places the first
+  /// particles, unless that is done.
   /// Error{kInput} when no frame is left to train on or a file can't be read, Error{kDevice} when the device
   /// has no room for the training, RanksDiffer when a rank has another device, other settings or another log.
   void prepare(const Progress& progress = {});

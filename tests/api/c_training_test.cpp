@@ -81,7 +81,8 @@ TEST_F(CTraining, GivesTheSameSceneAndTheSameNumbers) {
   const Device device = Device::best();
   Training training(device, read_log(log_), same);
   training.run();
-  write_scene(folder_ / "cpp.scene", training.result());
+  (void)write_trained_scene(
+      folder_ / "cpp.scene", device, training.result(), read_log(log_), same.train.render);
   for (const char* file : {"camera.ply", "lidar.ply", "scene.json"}) {
     const std::string of_c = bytes_of(fs::path(scene) / file);
     EXPECT_FALSE(of_c.empty()) << file;

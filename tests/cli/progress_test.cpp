@@ -61,7 +61,7 @@ TEST_F(ProgressTest, BarIsRedrawnInPlaceAtMostTenTimesASecond) {
     Progress progress = make(ProgressStyle::kBar, 4);
     now_s_ += 0.01;
     progress.update(1);
-    EXPECT_EQ(take(), "\rtrain [######..................]  25 % 1/4  0:00 left\x1b[K");
+    EXPECT_EQ(take(), "\rtrain [######..................]  25 % 1/4  0:00 elapsed\x1b[K");
     now_s_ += 0.05;
     progress.update(2);
     EXPECT_EQ(take(), "");
@@ -88,6 +88,48 @@ TEST_F(ProgressTest, BarFitsTheTerminal) {
   progress.update(1, "a text that is much too long for it");
   const std::string text = take();
   EXPECT_EQ(text.size(), std::string("\r").size() + 29 + std::string("\x1b[K").size());
+}
+
+/// A narrow terminal shows whole notes or none.
+TEST_F(ProgressTest, NotesAreLeftOutWhole) {
+  Progress progress = make(ProgressStyle::kBar, 4, 80);
+  progress.update(1, "PSNR 18.69 dB  mean distance error 13.7 cm  drop 95.4 %");
+  EXPECT_EQ(take(), "\rtrain [######..................]  25 % 1/4  0:00 elapsed  PSNR 18.69 dB\x1b[K");
+}
+
+/// The first file of a start took as long as all others: it told of hours (see kTellingShare).
+TEST_F(ProgressTest, NoTimeIsLeftBeforeItCanBeKnown) {
+  struct Case {
+    std::uint64_t done, total;
+    double elapsed_s;
+    const char* told;
+  };
+  for (const Case& c : {Case{1, 216, 26.0, "  0:26 elapsed"},
+                        Case{10, 216, 30.0, "  0:30 elapsed"},
+                        Case{11, 216, 30.0, "  9:19 left"},
+                        Case{1, 2, 20.0, "  0:20 elapsed"},
+                        Case{0, 8, 20.0, "  0:20 elapsed"},
+                        Case{2, 4, 10.0, "  0:10 left"},
+                        Case{1, 1, 10.0, "train  0:10 elapsed"}}) {
+    Progress progress = make(ProgressStyle::kLines, c.total);
+    now_s_ += c.elapsed_s;
+    progress.update(c.done);
+    EXPECT_NE(take().find(c.told), std::string::npos) << c.done << '/' << c.total;
+  }
+  Progress json = make(ProgressStyle::kJson, 216);
+  now_s_ += 26.0;
+  json.update(1);
+  EXPECT_NE(take().find(R"("left_s":null)"), std::string::npos);
+}
+
+TEST_F(ProgressTest, WhatIsDoneNeverGetsLess) {
+  Progress progress = make(ProgressStyle::kLines, 100);
+  progress.update(60);
+  now_s_ += 10.0;
+  progress.update(4);
+  EXPECT_EQ(take(), "train  60 % 60/100  0:07 left\n");
+  progress.complete();  // it ended early
+  EXPECT_EQ(take(), "train 100 % 100/100  0:10 elapsed\n");
 }
 
 TEST_F(ProgressTest, QuietWritesNothing) {
@@ -127,7 +169,7 @@ TEST_F(ProgressTest, UnknownAndImpossibleSizesAreShownAsTheyAre) {
   Progress nothing_done = make(ProgressStyle::kLines, 10);
   now_s_ += 10.0;
   nothing_done.update(0);
-  EXPECT_EQ(take(), "train   0 % 0/10  --:-- left\n");
+  EXPECT_EQ(take(), "train   0 % 0/10  0:10 elapsed\n");
   Progress almost = make(ProgressStyle::kLines, 1000);
   now_s_ += 10.0;
   almost.update(999);

@@ -3,11 +3,13 @@
 #include <cstdlib>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "io/base/file.hpp"
-#include "optim/eval/evaluation.hpp"
+#include "optim/eval/held_out_scores.hpp"
 #include "optim/train/training.hpp"
 #include "tests/cli/cli_fixture.hpp"
 
@@ -45,16 +47,71 @@ TEST_F(SceneCli, TrainingIsReported) {
   // Every line of progress is an object of its own; the last of the training holds its numbers.
   std::istringstream lines(train.err);
   nlohmann::json last;
+  std::map<std::string, double> share;  // of each task that goes on
+  std::set<std::string> ended;
   for (std::string line; std::getline(lines, line);) {
     const nlohmann::json object = nlohmann::json::parse(line);
     if (object.at("task") == "train") last = object;
+    // One bar a stage, which never goes back, and no time that can't be known.
+    const std::string task = object.at("task");
+    const auto [at, is_new] = share.emplace(task, 0.0);
+    const double done = object.at("done"), total = object.at("total");
+    EXPECT_TRUE(!is_new || ended.count(task) == 0) << line;
+    EXPECT_GE(done / total, at->second) << line;
+    at->second = done / total;
+    EXPECT_TRUE(done / total >= 0.05 || object.at("left_s").is_null()) << line;
+    if (object.at("finished")) share.erase(task), ended.insert(task);
   }
+  EXPECT_TRUE(share.empty());
+  EXPECT_EQ(ended,
+            (std::set<std::string>{"learn sensors",
+                                   "find what moves",
+                                   "initialise",
+                                   "compile kernels",
+                                   "train",
+                                   "complete the scene",
+                                   "evaluate"}));
   EXPECT_EQ(last.at("done"), 3);
   EXPECT_EQ(last.at("finished"), true);
   EXPECT_TRUE(last.at("psnr_db").is_number());
   EXPECT_GT(last.at("device_bytes"), 0);
   EXPECT_GT(fs::file_size(folder_ / "train.html"), 10'000U);
   EXPECT_EQ(files_in("runs"), 1U);
+}
+
+/// train ends with what eval and info say under the same names, and with what to type next.
+TEST_F(SceneCli, TrainEndsWithTheScoresThatEvalAndInfoTell) {
+  make_street("--no-moving-car");
+  const Outcome train = run("train s.log -o 'a scene' --iterations 3 --set init.voxel_m=0.3");
+  ASSERT_EQ(train.exit_code, 0) << train.err;
+  const std::string eval = run("eval 'a scene' s.log").out, info = run("info 'a scene'").out;
+  std::istringstream lines(train.out.substr(train.out.find("held-out frames: 1 picture of ")));
+  std::string line;
+  int scores = 0;
+  for (std::getline(lines, line); std::getline(lines, line) && line.starts_with("  "); ++scores) {
+    EXPECT_NE(eval.find(line + '\n'), std::string::npos) << line << '\n' << eval;
+    EXPECT_NE(info.find(line + '\n'), std::string::npos) << line << '\n' << info;
+  }
+  EXPECT_EQ(scores, 6);
+  EXPECT_EQ(line, "next    simuli view 'a scene'");
+  std::getline(lines, line);
+  EXPECT_EQ(line, "        simuli eval 'a scene' s.log --report 'a scene.html'");
+  EXPECT_EQ(train.err.find("find what moves"), std::string::npos) << train.err;  // short: not told in a file
+
+  // The same as JSON, and particles as they are in the scene.
+  const nlohmann::json told =
+      nlohmann::json::parse(run("train s.log -o b --iterations 3 --set init.voxel_m=0.3 --json").out);
+  const nlohmann::json kept = nlohmann::json::parse(run("info b --json").out);
+  const nlohmann::json compared = nlohmann::json::parse(run("eval b s.log --json").out);
+  EXPECT_EQ(told.at("held_out"), kept.at("training").at("held_out"));
+  for (const auto& [key, value] : told.at("held_out").items()) EXPECT_EQ(value, compared.at(key)) << key;
+  EXPECT_EQ(told.at("camera_particles"), kept.at("camera_set").at("particles"));
+  EXPECT_EQ(told.at("lidar_particles"), kept.at("lidar_set").at("particles"));
+
+  const Outcome all = run("train s.log -o c --iterations 1 --set init.voxel_m=0.3 --held-out 0");
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_NE(all.out.find("no frame was held out: no scores\n"), std::string::npos) << all.out;
+  EXPECT_EQ(all.err.find("evaluate"), std::string::npos) << all.err;
 }
 
 TEST_F(SceneCli, ALogIsNoSceneAndIsToldSo) {
@@ -128,7 +185,8 @@ TEST_F(SceneCli, TheLibraryTrainsAndComparesAsTheProgramDoes) {
   const simuli::Device device = simuli::Device::best();
   simuli::Training training(device, log, options);
   training.run();
-  simuli::write_scene(folder_ / "own.scene", training.result());
+  (void)simuli::write_trained_scene(
+      folder_ / "own.scene", device, training.result(), log, options.train.render);
   for (const char* file : {"scene.json", "camera.ply", "lidar.ply"}) {
     const auto bytes = [&](const char* scene) { return simuli::read_file(folder_ / scene / file); };
     EXPECT_EQ(bytes("own.scene"), bytes("s.scene")) << file;

@@ -5,6 +5,7 @@
 #include "io/scene/scene_output.hpp"
 #include "optim/eval/eval_settings.hpp"
 #include "optim/eval/evaluation.hpp"
+#include "optim/eval/held_out_scores.hpp"
 #include "optim/train/training.hpp"
 
 using namespace simuli;
@@ -24,21 +25,26 @@ simuli_status simuli_train(const simuli_device* device,
     const TrainingOptions asked =
         training_options(capi::quality_of(options), capi::settings_of(options));  // before anything is read
     const SceneOutput output(folder);
-    Training training(need(device, "device").device, read_log(&need(log, "log")), asked);
-    const TrainReport& report = training
-                                    .run([&](const TrainStatus& status) {
-                                      if (progress == nullptr) return;
-                                      if (progress(status.iteration, status.psnr_db, user) == 0) return;
-                                      throw Error(ErrorKind::kUsage, "training: ended by its observer");
-                                    })
-                                    .train;
-    write_scene(folder, std::move(training).result());
+    const Device& on = need(device, "device").device;
+    const Log recorded = read_log(&need(log, "log"));
+    Training training(on, recorded, asked);
+    const TrainReport report = training
+                                   .run([&](const TrainStatus& status) {
+                                     if (progress == nullptr) return;
+                                     if (progress(status.iteration, status.psnr_db, user) == 0) return;
+                                     throw Error(ErrorKind::kUsage, "training: ended by its observer");
+                                   })
+                                   .train;
+    SceneFile made = std::move(training).result();
+    const auto camera_particles = static_cast<std::size_t>(made.scene.camera.size());
+    const auto lidar_particles = static_cast<std::size_t>(made.scene.lidar.size());
+    write_trained_scene(folder, on, std::move(made), recorded, asked.train.render);
     if (result == nullptr) return;
     *result = {report.last.iteration,
                report.last.psnr_db,
                report.last.distance_m,
-               static_cast<std::size_t>(report.camera_particles),
-               static_cast<std::size_t>(report.lidar_particles),
+               camera_particles,
+               lidar_particles,
                report.seconds};
   });
 }

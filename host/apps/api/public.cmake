@@ -65,7 +65,8 @@ set(SIMULI_PUBLIC_training
 set(SIMULI_PUBLIC_evaluation
   "A scene beside a log: what `simuli eval` does."
   optim/base/metrics.hpp optim/eval/eval_options.hpp optim/eval/eval_settings.hpp
-  optim/eval/eval_frames.hpp optim/eval/eval_scores.hpp optim/eval/evaluation.hpp)
+  optim/eval/eval_frames.hpp optim/eval/eval_scores.hpp optim/eval/evaluation.hpp
+  optim/eval/held_out_scores.hpp)
 set(SIMULI_PUBLIC_calibration
   "Paths, mountings, beams and lenses found from recorded data."
   optim/calibration/path/returns.hpp optim/calibration/path/plane_map.hpp

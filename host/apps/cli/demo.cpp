@@ -57,10 +57,10 @@ void demo(const DemoCommand& command, const Globals& globals) {
     Training training(device, log, allowed);
     const TrainHistory history = run_training(training, device, globals);
     const TrainedReport trained{training.report(), history};
-    scene = training.result();
+    scene = trained_scene(std::move(training), globals);
     write_scene(folder / "street.scene", scene);
     Evaluation evaluation(device, scene, log, {.render = options_of(globals.quality)});
-    report = run_evaluation(evaluation, globals);
+    report = run_evaluation(evaluation, globals, folder / "street.scene");
     const PicturePair picture = evaluation.picture(evaluation.frames().images.front());
     write_image(folder / "camera.png", joined(picture.rendered, picture.recorded, Layout::kBeside));
     const std::size_t index = evaluation.frames().sweeps.front();

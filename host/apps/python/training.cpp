@@ -9,6 +9,21 @@
 namespace simuli::python {
 namespace {
 
+py::dict dict_of(const HeldOutScores& s) {
+  py::dict out;
+  out["images"] = s.images;
+  out["sweeps"] = s.sweeps;
+  out["image_width_px"] = s.image_width;
+  out["image_height_px"] = s.image_height;
+  out["psnr_db"] = s.psnr_db;
+  out["ssim"] = s.ssim;
+  out["distance_median_m"] = s.distance_median_m;
+  out["intensity_rmse"] = s.intensity_rmse;
+  out["raydrop_accuracy"] = s.raydrop_accuracy;
+  out["chamfer_m"] = s.chamfer_m;
+  return out;
+}
+
 py::dict train(const std::filesystem::path& log,
                const std::filesystem::path& scene,
                const std::string& quality,
@@ -18,29 +33,37 @@ py::dict train(const std::filesystem::path& log,
                bool overwrite) {
   const TrainingOptions options = training_options(quality, settings);  // before anything is read
   const PyDevice on = device_of(device);
+  std::optional<HeldOutScores> held_out;
+  Eigen::Index camera_particles = 0, lidar_particles = 0;
   const TrainReport report = [&] {
     const DeviceLock lock(on.mutex);
     const Interruption interruption(signals());
     const SceneOutput output(scene, overwrite);
-    Training training(on.device, read_log(log), options);
+    const Log recorded = read_log(log);
+    Training training(on.device, recorded, options);
     const TrainReport& done = training
                                   .run([&](const TrainStatus& status) {
                                     const py::gil_scoped_acquire acquire;
                                     if (progress) progress(status.iteration, status.psnr_db);
                                   })
                                   .train;
-    write_scene(scene, std::move(training).result());
-    return done;
+    const TrainReport kept = done;
+    SceneFile made = std::move(training).result();
+    camera_particles = made.scene.camera.size();
+    lidar_particles = made.scene.lidar.size();
+    held_out = write_trained_scene(scene, on.device, std::move(made), recorded, options.train.render);
+    return kept;
   }();
   py::dict out;
   out["iterations"] = report.last.iteration;
   out["train_psnr_db"] = report.last.psnr_db;
   out["train_distance_m"] = report.last.distance_m;
   out["train_drop_accuracy"] = report.last.drop_accuracy;
-  out["camera_particles"] = report.camera_particles;
-  out["lidar_particles"] = report.lidar_particles;
+  out["camera_particles"] = camera_particles;
+  out["lidar_particles"] = lidar_particles;
   out["seconds"] = report.seconds;
   out["warnings"] = report.warnings;
+  out["held_out"] = held_out ? py::object(dict_of(*held_out)) : py::object(py::none());
   return out;
 }
 
@@ -138,19 +161,21 @@ py::dict evaluate(const std::filesystem::path& scene,
 }  // namespace
 
 void add_training(py::module_& m) {
-  m.def("train",
-        &train,
-        py::arg("log"),
-        py::arg("scene"),
-        py::arg("quality") = "",
-        py::arg("settings") = std::vector<std::string>{},
-        py::arg("progress") = nullptr,
-        py::arg("device") = py::none(),
-        py::arg("overwrite") = false,
-        "A scene from a log folder, as `simuli train` makes it, bit for bit. settings: \"key=value\", as "
-        "`simuli train --set help` lists them; progress(iteration, psnr_db) is called after each iteration. "
-        "simuli.Error, before the training, when there is something at `scene`; "
-        "overwrite replaces a scene.");
+  m.def(
+      "train",
+      &train,
+      py::arg("log"),
+      py::arg("scene"),
+      py::arg("quality") = "",
+      py::arg("settings") = std::vector<std::string>{},
+      py::arg("progress") = nullptr,
+      py::arg("device") = py::none(),
+      py::arg("overwrite") = false,
+      "A scene from a log folder, as `simuli train` makes it, bit for bit. settings: \"key=value\", as "
+      "`simuli train --set help` lists them; progress(iteration, psnr_db) is called after each iteration. "
+      "The dict tells particles, training scores, and under held_out those of the frames that were held out "
+      "(None: there were none). simuli.Error, before the training, when there is something at `scene`; "
+      "overwrite replaces a scene.");
   m.def("evaluate",
         &evaluate,
         py::arg("scene"),

@@ -170,13 +170,16 @@ CameraPoseReport find_camera_pose(const Log& log,
   scene.surfaces = surface_points(sweeps, world_from_rig);
   scene.spacing_rad = beam_spacing(sensor.with_rows());
   const bool has_halves = views.size() >= kLeastViews;
-  std::size_t before = 0,
-              of_whole = 0;  // of progress; halves are asked without a clock, which takes one pass
+  // Of the whole's progress: searches that are done, and the current one, which may end early. Halves are asked
+  // without a clock, which takes one pass.
+  std::size_t before = 0, last = 0, last_total = 0, of_whole = 0;
   const auto tell = [&](std::size_t done, std::size_t total) {
+    if (done <= last) before += last_total;
     if (before == 0) of_whole = total;
+    last = done;
+    last_total = total;
     const std::size_t of_all = has_halves ? (options.with_clock ? 2 : 3) * of_whole : of_whole;
     if (progress) progress(before + done, of_all);
-    if (done == total) before += total;
   };
   const LogCamera& given = log.camera(camera);
   CameraPoseReport report = find_camera_pose(views, given, world_from_rig, scene, options, tell);

@@ -26,7 +26,8 @@ AlignReport align_log(const Log& log,
                       const AlignOptions& options,
                       const std::function<void(const char*, std::size_t, std::size_t)>& progress) {
   const auto begin = std::chrono::steady_clock::now();
-  const auto report_stage = [&](const char* stage) {
+  const auto report_stage = [&](const char* stage, std::size_t steps) {
+    if (progress) progress(stage, 0, steps);
     return [&progress, stage](std::size_t done, std::size_t total) {
       if (progress) progress(stage, done, total);
     };
@@ -56,20 +57,21 @@ AlignReport align_log(const Log& log,
                       "at least 2");
   }
   if (options.spin_sweeps > 0) {
-    report_stage("spin direction")(0, 1);
+    const auto tell = report_stage("spin direction", 1);
     const std::vector<Returns> forward(sweeps.begin(),
                                        sweeps.begin() + static_cast<std::ptrdiff_t>(reversed.size()));
     const bool clockwise = model.spin == SpinDirection::kClockwise;
     report.spin = clockwise ? find_spin(forward, reversed, options.odometry)
                             : find_spin(reversed, forward, options.odometry);
     reversed.clear();
-    report_stage("spin direction")(1, 1);
+    tell(1, 1);
   }
 
   const std::vector<TimedPose> recorded = recorded_path(log, knot_times(sweeps));
   report.recorded = fit_of(sweeps, recorded);
   const bool near = options.use_prior && report.recorded.median_m < options.near_m;
-  report.path = near ? recorded : find_path(sweeps, options.odometry, report_stage("odometry"));
+  report.path =
+      near ? recorded : find_path(sweeps, options.odometry, report_stage("odometry", sweeps.size()));
   report.odometry = near ? report.recorded : fit_of(sweeps, report.path);
   std::optional<PathPrior> prior;
   if (options.use_prior) {
@@ -83,8 +85,9 @@ AlignReport align_log(const Log& log,
   if (options.use_prior && report.recorded.median_m < options.fine_m) {
     report.path = recorded;
   } else {
+    const auto rounds = static_cast<std::size_t>(options.refine.rounds);
     report.refinement =
-        refine_path(sweeps, prior, options.refine, report.path, report_stage("joint refinement"));
+        refine_path(sweeps, prior, options.refine, report.path, report_stage("joint refinement", rounds));
   }
   report.refined = fit_of(sweeps, report.path);
   for (std::size_t i = 1; i < report.path.size(); ++i) {

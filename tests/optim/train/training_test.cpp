@@ -177,7 +177,8 @@ TEST_F(TrainingTest, AnotherTrainingsCheckpointIsRefusedBeforeTheStart) {
   const auto refused = [&](const Log& log, const TrainingOptions& o, const std::string& message) {
     Training other(test::device(), log, o);
     expect_error(ErrorKind::kInput, message, [&] {
-      other.resume(file, [](std::size_t, std::size_t) { ADD_FAILURE() << "a file was read"; });
+      other.resume(file,
+                   [](const std::string&, std::size_t, std::size_t) { ADD_FAILURE() << "a file was read"; });
     });
   };
   TrainingOptions o = options(2);

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -22,10 +23,33 @@ class FileProgress {
       progress_.update(done);
     };
   }
-  void finish() { progress_.finish(); }
+  void finish() { progress_.complete(); }
 
  private:
   Progress progress_;
+};
+
+/// Shows progress(stage, done, total) calls: one bar a stage, one after the other.
+class StageProgress {
+ public:
+  explicit StageProgress(ProgressStyle style) : style_(style) {}
+  void update(const std::string& stage, std::size_t done, std::size_t total) {
+    if (!bar_ || stage != stage_) {
+      finish();
+      bar_.emplace(stage, total, style_);
+      stage_ = stage;
+    }
+    bar_->update(done);
+  }
+  void finish() {
+    if (bar_) bar_->complete();
+    bar_.reset();
+  }
+
+ private:
+  ProgressStyle style_;
+  std::string stage_;
+  std::optional<Progress> bar_;
 };
 
 }  // namespace simuli::cli

@@ -18,7 +18,11 @@ namespace {
 constexpr double kBarInterval_s = 0.1;
 constexpr double kLineInterval_s = 10.0;
 constexpr double kJsonInterval_s = 1.0;
-constexpr int kBarCells = 24;
+constexpr std::size_t kBarCells = 24;
+// What must be behind a task for its speed to tell the time left: steps differ, and the first is the slowest.
+constexpr double kTellingShare = 0.05;
+constexpr std::uint64_t kTellingSteps = 2;
+constexpr double kTelling_s = 2.0;
 
 double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -79,7 +83,7 @@ void Progress::start_at(std::uint64_t done) {
 }
 
 void Progress::update(std::uint64_t done, const ProgressNote& note) {
-  done_ = done;
+  done_ = std::max(done_, done);
   if (style_ == ProgressStyle::kQuiet || finished_) return;
   const double now_s = clock_();
   const bool at_once = style_ != ProgressStyle::kLines;
@@ -91,29 +95,41 @@ void Progress::update(std::uint64_t done, const ProgressNote& note) {
 void Progress::finish(const ProgressNote& note) {
   if (style_ == ProgressStyle::kQuiet || finished_) return;
   finished_ = true;
-  show(note, clock_());
+  const double now_s = clock_();
+  // Of a short task of one step there is nothing to say in a file.
+  const bool is_told = style_ != ProgressStyle::kLines || total_ != 1 || now_s - start_s_ >= kLineInterval_s;
+  if (is_told) show(note, now_s);
   if (bar_open_) *out_ << '\n' << std::flush;
   bar_open_ = false;
+}
+
+void Progress::complete() {
+  done_ = total_ > 0 ? total_ : done_;
+  finish();
 }
 
 void Progress::show(const ProgressNote& note, double now_s) {
   shown_s_ = now_s;
   shown_once_ = true;
-  const std::string text = style_ == ProgressStyle::kJson ? json(note, now_s) : line(note.text, now_s);
-  if (style_ != ProgressStyle::kBar) {
-    *out_ << text << '\n' << std::flush;
-    return;
+  if (style_ == ProgressStyle::kJson) {
+    *out_ << json(note, now_s) << '\n' << std::flush;
+  } else if (style_ == ProgressStyle::kLines) {
+    *out_ << line(note.text, now_s, std::string::npos) << '\n' << std::flush;
+  } else {
+    // Back to the line's start, text, erase the rest of an older and longer text.
+    *out_ << '\r' << line(note.text, now_s, static_cast<std::size_t>(columns_ - 1)) << "\x1b[K" << std::flush;
+    bar_open_ = true;
   }
-  // Back to the line's start, text, erase the rest of an older and longer text.
-  *out_ << '\r' << text.substr(0, static_cast<std::size_t>(columns_ - 1)) << "\x1b[K" << std::flush;
-  bar_open_ = true;
 }
 
 double Progress::left_s(double now_s) const {
   if (finished_) return 0.0;
-  if (done_ <= first_ || total_ == 0) return std::numeric_limits<double>::infinity();
-  const double left = total_ > done_ ? static_cast<double>(total_ - done_) : 0.0;
-  return (now_s - start_s_) * left / static_cast<double>(done_ - first_);
+  constexpr double kUnknown_s = std::numeric_limits<double>::infinity();
+  if (done_ < first_ + kTellingSteps || total_ <= first_ || now_s - start_s_ < kTelling_s) return kUnknown_s;
+  const auto done = static_cast<double>(done_ - first_);
+  const auto all = static_cast<double>(total_ - first_);
+  if (done < kTellingShare * all) return kUnknown_s;
+  return (now_s - start_s_) * std::max(all - done, 0.0) / done;
 }
 
 std::string Progress::json(const ProgressNote& note, double now_s) const {
@@ -127,27 +143,32 @@ std::string Progress::json(const ProgressNote& note, double now_s) const {
   return object.dump();  // what is not finite as null
 }
 
-std::string Progress::line(std::string_view extra, double now_s) const {
-  const double elapsed_s = now_s - start_s_;
-  std::string text = label_;
+std::string Progress::line(const std::string& note, double now_s, std::size_t columns) const {
+  const double left = left_s(now_s);
+  const bool tells_left = !finished_ && std::isfinite(left);
+  const std::string time =
+      format_duration(tells_left ? left : now_s - start_s_) + (tells_left ? " left" : " elapsed");
+  std::string bar, count;
   if (total_ == 0) {
-    text += fmt::format(" {}  {} elapsed", done_, format_duration(elapsed_s));
-  } else {
+    count = fmt::format(" {}", done_);
+  } else if (total_ > 1) {
     const double share = std::min(1.0, static_cast<double>(done_) / static_cast<double>(total_));
     if (style_ == ProgressStyle::kBar) {
       const auto filled = static_cast<std::size_t>(share * kBarCells);
-      text += " [" + std::string(filled, '#') + std::string(kBarCells - filled, '.') + "]";
+      bar = " [" + std::string(filled, '#') + std::string(kBarCells - filled, '.') + "]";
     }
     // Down, never up: 100 % is shown when everything is done and not before.
-    text += fmt::format(" {:3.0f} % {}/{}", std::floor(100.0 * share), done_, total_);
-    if (finished_) {
-      text += fmt::format("  {} elapsed", format_duration(elapsed_s));
-    } else {
-      text += fmt::format("  {} left", format_duration(left_s(now_s)));
-    }
+    count = fmt::format(" {:3.0f} % {}/{}", std::floor(100.0 * share), done_, total_);
   }
-  if (!extra.empty()) text += "  " + std::string(extra);
-  return text;
+  std::string text = label_ + bar + count + "  " + time;
+  // Whole notes, as many as there is room for.
+  for (std::size_t at = 0; at < note.size();) {
+    const std::size_t end = std::min(note.find("  ", at), note.size());
+    if (text.size() + 2 + (end - at) > columns) break;
+    text += "  " + note.substr(at, end - at);
+    at = std::min(note.find_first_not_of(' ', end), note.size());
+  }
+  return text.substr(0, columns);
 }
 
 }  // namespace simuli

@@ -27,18 +27,20 @@ struct ProgressNote {
       : text(std::move(said)), values(std::move(numbers)) {}
 };
 
-/// Shows how far a task of known size is, with the time left at its average speed so far. As a bar it is
-/// redrawn at most ten times a second; as lines at most every ten seconds and once at the end; as JSON
-/// {"task", "done", "total", "elapsed_s", "left_s", "finished", values...} at most once a second and at the
-/// end. Nothing is
-/// written from the destructor but the newline that a broken-off bar still owes the terminal.
+/// Shows how far a task of known size is, with the time left at its average speed so far: once a twentieth of
+/// it, two steps and two seconds are behind it, and the time elapsed before. What is done never gets less. As
+/// a bar it is redrawn at most ten times a second; as lines at most every ten seconds and once at the end; as
+/// JSON {"task", "done", "total", "elapsed_s", "left_s", "finished", values...} at most once a second and at
+/// the end, with left_s null as long as it can't be known. Notes are parted by two spaces; those that a
+/// narrow terminal has no room for are left out whole. Nothing is written from the destructor but the newline
+/// that a broken-off bar still owes the terminal.
 class Progress {
  public:
   /// Monotonic time in seconds.
   using Clock = std::function<double()>;
 
-  /// `total` steps to do (0: the size is unknown, only the count is shown). Bars are cut to `columns`
-  /// characters, so that a narrow terminal does not scroll.
+  /// `total` steps to do (0: the size is unknown, only the count is shown; 1: the time alone). Bars are cut to
+  /// `columns` characters, so that a narrow terminal does not scroll.
   Progress(std::string label,
            std::uint64_t total,
            ProgressStyle style,
@@ -61,12 +63,15 @@ class Progress {
   void update(std::uint64_t done, const ProgressNote& note = {});
   /// Shows the last state, whatever the time since the one before, and ends the line.
   void finish(const ProgressNote& note = {});
+  /// The same of a task that is done, whether or not it needed all of its steps.
+  void complete();
 
  private:
   void show(const ProgressNote& note, double now_s);
-  [[nodiscard]] std::string line(std::string_view extra, double now_s) const;
+  /// Of at most `columns` characters.
+  [[nodiscard]] std::string line(const std::string& note, double now_s, std::size_t columns) const;
   [[nodiscard]] std::string json(const ProgressNote& note, double now_s) const;
-  /// At the average speed so far; infinite before the first step.
+  /// At the average speed so far; infinite before it can be known.
   [[nodiscard]] double left_s(double now_s) const;
 
   std::string label_;

@@ -1,11 +1,13 @@
 #include "host/apps/cli/base/provenance.hpp"
 
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <iostream>
 #include <map>
 #include <set>
 
+#include "host/apps/cli/base/counted.hpp"
 #include "host/core/base/fields.hpp"
 #include "host/device/render/options/quality.hpp"
 #include "optim/train/training_options.hpp"
@@ -42,6 +44,62 @@ std::string settings_text(const TrainingRecord& r) {
 }
 
 }  // namespace
+
+std::string number_text(double value, int decimals) {
+  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
+}
+
+std::string arrow(Better better) {
+  if (better == Better::kNeither) return "";
+  return better == Better::kHigher ? "\u00a0\u2191" : "\u00a0\u2193";
+}
+
+ScoreLine psnr_line(double psnr_db) { return {"PSNR", number_text(psnr_db, 2), "dB", Better::kHigher}; }
+ScoreLine ssim_line(double ssim) { return {"SSIM", number_text(ssim, 4), "", Better::kHigher}; }
+ScoreLine distance_line(double median_m) {
+  return {"distance error, median", number_text(median_m * 100.0, 2), "cm", Better::kLower};
+}
+ScoreLine intensity_line(double rmse) {
+  return {"intensity error, RMS", number_text(rmse, 4), "of 1", Better::kLower};
+}
+ScoreLine drop_line(double accuracy) {
+  return {"ray drop, right decisions", number_text(accuracy * 100.0, 2), "% of rays", Better::kHigher};
+}
+ScoreLine chamfer_line(double chamfer_m) {
+  return {"Chamfer, mean of both ways", number_text(chamfer_m, 4), "m", Better::kLower};
+}
+
+std::vector<ScoreLine> score_lines(const HeldOutScores& s) {
+  std::vector<ScoreLine> lines;
+  if (s.images > 0) lines.insert(lines.end(), {psnr_line(s.psnr_db), ssim_line(s.ssim)});
+  if (s.sweeps > 0) {
+    lines.insert(lines.end(),
+                 {distance_line(s.distance_median_m),
+                  intensity_line(s.intensity_rmse),
+                  drop_line(s.raydrop_accuracy),
+                  chamfer_line(s.chamfer_m)});
+  }
+  return lines;
+}
+
+std::string text_of(const ScoreLine& line) {
+  return fmt::format("  {:<34} {:>10}{}{}\n", line.name, line.value, line.unit.empty() ? "" : " ", line.unit);
+}
+
+std::string compared_text(const std::string& frames, const HeldOutScores& s) {
+  return fmt::format("{}: {} of {} x {} px, {}",
+                     frames,
+                     counted(s.images, "picture"),
+                     s.image_width,
+                     s.image_height,
+                     counted(s.sweeps, "sweep"));
+}
+
+std::string text_of(const HeldOutScores& s) {
+  std::string text = compared_text("held-out frames", s) + '\n';
+  for (const ScoreLine& line : score_lines(s)) text += text_of(line);
+  return text;
+}
 
 std::string uses_text(const std::vector<SensorUse>& sensors) {
   std::vector<std::string> texts;

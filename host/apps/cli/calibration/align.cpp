@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "host/apps/cli/base/commands.hpp"
+#include "host/apps/cli/base/counted.hpp"
+#include "host/apps/cli/base/file_progress.hpp"
 #include "host/apps/cli/base/json_text.hpp"
 #include "host/apps/cli/base/progress.hpp"
 #include "host/apps/cli/base/refuse.hpp"
@@ -36,29 +38,6 @@ struct CameraResult {
   std::string name;
   std::optional<calib::CameraPoseReport> report;  // empty: the data do not determine it
   std::string reason;
-};
-
-/// One bar per stage.
-class StageProgress {
- public:
-  explicit StageProgress(const Globals& globals) : style_(progress_style(globals)) {}
-  void update(const std::string& stage, std::size_t done, std::size_t total) {
-    if (!bar_ || stage != stage_) {
-      finish();
-      bar_.emplace(stage, total, style_);
-      stage_ = stage;
-    }
-    bar_->update(done);
-  }
-  void finish() {
-    if (bar_) bar_->finish();
-    bar_.reset();
-  }
-
- private:
-  ProgressStyle style_;
-  std::string stage_;
-  std::optional<Progress> bar_;
 };
 
 const char* spin_name(SpinDirection spin) {
@@ -130,8 +109,11 @@ std::string fit_line(const char* name, const calib::Fit& fit) {
 }
 
 std::string text_of(const calib::AlignReport& r) {
-  std::string text = fmt::format(
-      "path: {} sweeps, {} returns, {:.2f} m, {:.1f} s\n", r.sweeps, r.returns, r.length_m, r.seconds);
+  std::string text = fmt::format("path: {}, {}, {:.2f} m, {:.1f} s\n",
+                                 counted(r.sweeps, "sweep"),
+                                 counted(r.returns, "return"),
+                                 r.length_m,
+                                 r.seconds);
   text += "  poses              median      on planes  beyond 10 cm\n";
   text +=
       fit_line("recorded", r.recorded) + fit_line("odometry", r.odometry) + fit_line("refined", r.refined);
@@ -240,7 +222,7 @@ void align(const AlignCommand& command, const Globals& globals) {
   }
   for (const std::string& name : command.cameras) (void)log.camera(name);
   if (!command.output.empty()) need_new_path(command.output);  // known now, not after minutes of work
-  StageProgress progress(globals);
+  StageProgress progress(progress_style(globals));
   std::optional<calib::AlignReport> report;
   Trajectory path = log.world_from_rig;
   if (!command.keep_path) {

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "host/apps/cli/base/counted.hpp"
 #include "host/apps/cli/base/json_text.hpp"
 #include "host/apps/cli/base/provenance.hpp"
 #include "host/apps/cli/info/info.hpp"
@@ -49,7 +50,7 @@ Json sensors_json(const SensorRig& rig) {
 /// As `simuli render --mount` takes it, to a micrometre.
 std::string mount_line(const Mounting& m) {
   const auto rounded = [](double value) { return std::round(value * 1e6) / 1e6 + 0.0; };  // no -0
-  return fmt::format("mounted at {},{},{},{},{},{}",
+  return fmt::format("mounted at {},{},{},{},{},{} (m, deg)",
                      rounded(m.position_m.x()),
                      rounded(m.position_m.y()),
                      rounded(m.position_m.z()),
@@ -64,8 +65,11 @@ std::string recorded_text(const std::string& sensor, const FrameSpans& spans) {
   const Recorded recorded = recorded_of(found->second);
   const std::string rate =
       recorded.rate_hz > 0.0 ? fmt::format(", {:.1f} a second", recorded.rate_hz) : std::string();
-  return fmt::format(
-      "    {} frames{}, {:.2f} to {:.2f} s\n", recorded.frames, rate, recorded.start_s, recorded.end_s);
+  return fmt::format("    {}{}, {:.2f} to {:.2f} s\n",
+                     counted(recorded.frames, "frame"),
+                     rate,
+                     recorded.start_s,
+                     recorded.end_s);
 }
 
 std::string sensors_text(const std::vector<LogCamera>& cameras,
@@ -137,7 +141,7 @@ std::string actors_text(const std::vector<Actor>& actors, const Trajectory& path
                         actor.track.back().time_s);
     if (log != nullptr) {
       const ActorFrames frames = frames_with(actor, *log);
-      text += fmt::format(" ({} images, {} sweeps)", frames.images, frames.sweeps);
+      text += fmt::format(" ({}, {})", counted(frames.images, "image"), counted(frames.sweeps, "sweep"));
     }
     text += fmt::format(", gets {:.1f} m far", actor.travel_m());
     if (!actor.deformation.empty()) text += ", not rigid";
@@ -193,7 +197,7 @@ std::string occluders_text(const Scene& scene) {
   std::string text;
   const std::vector<Occluder> occluders = occluders_of(scene);
   for (std::size_t i = 0; i < occluders.size(); ++i) {
-    text += fmt::format("  behind {:<16} {} particles; {} instead while it is elsewhere\n",
+    text += fmt::format("  where {} was recorded: {} particles behind it, {} others once it is moved away\n",
                         occluders[i].actor->name,
                         particles_of(scene, number_behind(scene, i)),
                         particles_of(scene, number_instead(scene, i)));
@@ -240,7 +244,10 @@ void print_log(const Log& log, bool json) {
                   {"hidden_shares", hidden_json(log)},
                   {"actors", actors_json(log.actors, log.world_from_rig, &log)}});
   }
-  std::cout << fmt::format("log {}\n  {} images, {} sweeps\n", log.name, log.images.size(), log.sweeps.size())
+  std::cout << fmt::format("log {}\n  {}, {}\n",
+                           log.name,
+                           counted(log.images.size(), "image"),
+                           counted(log.sweeps.size(), "sweep"))
             << trajectory_text(log.world_from_rig) << sensors_text(log.cameras, log.lidars, frame_spans(log))
             << hidden_text(log) << actors_text(log.actors, log.world_from_rig, &log);
 }
@@ -274,6 +281,7 @@ void print_scene(const SceneFile& file, bool json) {
   for (const RecordLine& line : record_lines(*file.training)) {
     std::cout << fmt::format("    {:<16} {}\n", line.name, line.value);
   }
+  if (file.training->held_out) std::cout << text_of(*file.training->held_out);
 }
 
 }  // namespace simuli::cli

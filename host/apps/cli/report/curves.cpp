@@ -60,7 +60,8 @@ void add_by_range(HtmlReport& html, const EvalReport& report) {
   }
   if (labels.size() < 2) return;
   html.heading("By range");
-  html.bars("distance error, cm", labels, {median, mean});
+  html.bars("distance error, median, cm", labels, {median});
+  html.bars("distance error, mean, cm", labels, {mean});
   html.bars("recorded returns that the scene drops, %", labels, {dropped});
   html.bars("PSNR of pixels with a return, dB", labels, {psnr});
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 
+#include "host/apps/cli/base/provenance.hpp"
 #include "host/core/base/one_line.hpp"
 
 namespace simuli::cli {
@@ -30,16 +31,16 @@ std::vector<std::string> score_cells(const std::string& name, const EvalScores& 
 
 TextTable table_of_scores(const char* title) {
   return {title,
-          {"",
-           "pictures + sweeps",
-           "PSNR dB",
-           "corrected dB",
-           "SSIM",
-           "median cm",
-           "rel. L2",
-           "drop right %",
-           "Chamfer m",
-           "intensity RMS"},
+          {{""},
+           {"pictures + sweeps"},
+           {"PSNR dB", Better::kHigher},
+           {"corrected dB", Better::kHigher},
+           {"SSIM", Better::kHigher},
+           {"median cm", Better::kLower},
+           {"rel. L2", Better::kLower},
+           {"drop right %", Better::kHigher},
+           {"Chamfer m", Better::kLower},
+           {"intensity RMS", Better::kLower}},
           {}};
 }
 
@@ -59,10 +60,16 @@ TextTable table_of_sensors(const EvalReport& r) {
 }
 
 TextTable table_of_ranges(const EvalReport& r) {
-  TextTable table{
-      "by range",
-      {"", "returns", "median cm", "mean cm", "dropped %", "returns of nothing", "pixels", "PSNR dB"},
-      {}};
+  TextTable table{"by range",
+                  {{""},
+                   {"returns"},
+                   {"median cm", Better::kLower},
+                   {"mean cm", Better::kLower},
+                   {"dropped %", Better::kLower},
+                   {"returns of nothing", Better::kLower},
+                   {"pixels with a return"},
+                   {"PSNR dB", Better::kHigher}},
+                  {}};
   for (std::size_t i = 0; i < r.ranges.size(); ++i) {
     const RangeScores& s = r.ranges[i];
     if (s.returns + s.returns_of_nothing + s.pixels == 0) continue;
@@ -79,8 +86,14 @@ TextTable table_of_ranges(const EvalReport& r) {
 }
 
 TextTable table_of_kinds(const EvalReport& r) {
-  TextTable table{
-      "by kind of object", {"", "pixels", "PSNR dB", "returns", "median cm", "returns that end there %"}, {}};
+  TextTable table{"by kind of object",
+                  {{""},
+                   {"pixels"},
+                   {"PSNR dB", Better::kHigher},
+                   {"returns"},
+                   {"median cm", Better::kLower},
+                   {"returns that end there %", Better::kHigher}},
+                  {}};
   for (const KindScores& s : r.kinds) {
     table.rows.push_back({s.kind.empty() ? "of no kind" : s.kind,
                           fmt::format("{}", s.pixels),
@@ -129,7 +142,8 @@ std::vector<TextTable> eval_tables(const EvalReport& report) {
 
 std::string text_of(const TextTable& table) {
   std::vector<std::vector<std::string>> lines = table.rows;
-  lines.insert(lines.begin(), table.header);
+  lines.insert(lines.begin(), std::vector<std::string>());
+  for (const TextColumn& column : table.header) lines.front().push_back(column.name);
   lines.front().front() = table.title;
   for (auto& line : lines) {
     for (std::string& cell : line) cell = on_one_line(cell);
@@ -203,10 +217,6 @@ Json json_of(const SweepScore& s) {
           {"intensity_rmse", m.intensity_rmse},
           {"raydrop_accuracy", m.raydrop_accuracy},
           {"chamfer_m", m.chamfer_m}};
-}
-
-std::string number_text(double value, int decimals) {
-  return std::isfinite(value) ? fmt::format("{:.{}f}", value, decimals) : "-";
 }
 
 }  // namespace simuli::cli

@@ -3,14 +3,19 @@
 #include <string>
 #include <vector>
 
+#include "host/apps/cli/base/provenance.hpp"
 #include "io/base/json_reader.hpp"
 #include "optim/eval/evaluation.hpp"
 
 namespace simuli::cli {
 
+struct TextColumn {
+  std::string name;
+  Better better = Better::kNeither;
+};
 struct TextTable {
   std::string title;
-  std::vector<std::string> header;
+  std::vector<TextColumn> header;
   std::vector<std::vector<std::string>> rows;
 };
 
@@ -26,8 +31,5 @@ struct TextTable {
 /// A frame's own scores: its index in the log, sensor, time.
 [[nodiscard]] Json json_of(const PictureScore& score);
 [[nodiscard]] Json json_of(const SweepScore& score);
-
-/// "-" for what is not a finite number.
-[[nodiscard]] std::string number_text(double value, int decimals);
 
 }  // namespace simuli::cli

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/apps/cli/base/counted.hpp"
 #include "host/apps/cli/base/progress.hpp"
 #include "host/apps/cli/base/provenance.hpp"
 #include "host/apps/cli/draw/html_report.hpp"
@@ -20,6 +21,7 @@
 #include "host/core/base/version.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/eval/held_out_scores.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -31,20 +33,31 @@ std::string count_text(Eigen::Index count) {
   return fmt::format("{:.1f} k", static_cast<double>(count) / 1e3);
 }
 
+/// What is asked for first, above the pictures.
+void add_scores(HtmlReport& html, const EvalReport& report) {
+  const HeldOutScores scores = scores_of(report);
+  std::vector<HtmlReport::Fact> facts;
+  for (const ScoreLine& line : score_lines(scores)) {
+    facts.push_back(
+        {line.name + arrow(line.better), line.value + (line.unit.empty() ? "" : " " + line.unit)});
+  }
+  html.facts(compared_text(report.frames.label(), scores) + ". Better: \u2191 higher, \u2193 lower.", facts);
+}
+
 void add_metrics(HtmlReport& html, const EvalReport& report) {
   html.heading("Compared with the log");
-  html.paragraph(fmt::format("{}: {} pictures of {} x {} px, {} sweeps.",
-                             report.frames.label(),
-                             report.images,
-                             report.image_width,
-                             report.image_height,
-                             report.sweeps));
+  html.paragraph(compared_text(report.frames.label(), scores_of(report)) +
+                 ". Better: \u2191 higher, \u2193 lower.");
   std::vector<std::vector<std::string>> rows;
-  for (const MetricLine& line : metric_lines(report)) rows.push_back({line.name, line.value, line.unit});
+  for (const ScoreLine& line : metric_lines(report)) {
+    rows.push_back({line.name + arrow(line.better), line.value, line.unit});
+  }
   html.table({"metric", "value", "unit"}, rows);
   for (const TextTable& table : eval_tables(report)) {
+    std::vector<std::string> header;
+    for (const TextColumn& column : table.header) header.push_back(column.name + arrow(column.better));
     html.paragraph(table.title + ":");
-    html.table(table.header, table.rows);
+    html.table(header, table.rows);
   }
 }
 
@@ -75,7 +88,10 @@ void add_settings(HtmlReport& html,
   std::vector<std::vector<std::string>> rows{
       {"edits", text.edits.empty() ? "none" : fmt::format("{}", fmt::join(text.edits, " "))},
       {"compared",
-       fmt::format("{}, {} pictures and {} sweeps", frames.label(), report.images, report.sweeps)},
+       fmt::format("{}, {} and {}",
+                   frames.label(),
+                   counted(report.images, "picture"),
+                   counted(report.sweeps, "sweep"))},
       {"size of pictures", fmt::format("{} of the recorded", frames.asked.image_scale)},
       {"quality", quality_names()[static_cast<std::size_t>(globals.quality)]},
       {"unlike in training", unlike.empty() ? "nothing" : fmt::format("{}", fmt::join(unlike, ", "))},
@@ -217,12 +233,13 @@ void write_report(const std::filesystem::path& file,
   SceneOnDevice scene(Device::best(globals.device, {.profiling = true}),
                       borrowed(evaluation.scene().scene),
                       evaluation.options().render);
-  add_metrics(html, report);
-  add_curves(html, report);
-  if (text.trained != nullptr) add_training(html, *text.trained);
+  add_scores(html, report);
   add_pictures(html, evaluation);
   add_sweeps(html, evaluation);
   add_unrecorded(html, evaluation, scene);
+  add_metrics(html, report);
+  add_curves(html, report);
+  if (text.trained != nullptr) add_training(html, *text.trained);
   add_settings(html, text, globals, evaluation, report);
   add_times(html, evaluation, scene);
   html.write(file);

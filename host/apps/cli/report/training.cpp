@@ -18,6 +18,7 @@
 #include "host/core/base/stopwatch.hpp"
 #include "io/base/event_file.hpp"
 #include "io/scene/training_json.hpp"
+#include "optim/eval/held_out_scores.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -26,7 +27,8 @@ ProgressNote status_note(const TrainStatus& s, const MemoryUse& memory) {
   std::string text;
   if (std::isfinite(s.psnr_db)) text += fmt::format("PSNR {:.2f} dB  ", s.psnr_db);
   if (std::isfinite(s.distance_m)) {
-    text += fmt::format("distance {:.1f} cm  drop {:.1f} %  ", 100.0 * s.distance_m, 100.0 * s.drop_accuracy);
+    text += fmt::format(
+        "mean distance error {:.1f} cm  drop {:.1f} %  ", 100.0 * s.distance_m, 100.0 * s.drop_accuracy);
   }
   text += fmt::format("{:.0f}k + {:.0f}k particles  {:.1f} GB",
                       static_cast<double>(s.camera_particles) / 1e3,
@@ -183,15 +185,18 @@ TrainHistory run_training(Training& training,
   if (outputs.resume && !resumes && ranks.is_first()) {
     std::cerr << fmt::format("simuli: no checkpoint {}: from the start\n", checkpoints.file.string());
   }
-  FileProgress reading("initialise", globals);
-  if (resumes) {
-    training.resume(checkpoints.file, reading.callback());
-  } else {
-    training.prepare(reading.callback());
-  }
-  reading.finish();
-  // Not before it is ready: a request that is refused leaves one line.
   const ProgressStyle style = progress_style(globals);
+  StageProgress stages(style);
+  const auto tell = [&stages](const std::string& stage, std::size_t done, std::size_t total) {
+    stages.update(stage, done, total);
+  };
+  if (resumes) {
+    training.resume(checkpoints.file, tell);
+  } else {
+    training.prepare(tell);
+  }
+  stages.finish();
+  // Not before it is ready: a request that is refused leaves one line.
   if (!outputs.frames.empty() && (style == ProgressStyle::kBar || style == ProgressStyle::kLines)) {
     std::cerr << fmt::format("simuli: frames to train on: {}\n", outputs.frames);
   }
@@ -201,12 +206,11 @@ TrainHistory run_training(Training& training,
   TrainHistory history;
   const auto planned = [&training] { return static_cast<std::uint64_t>(training.status().planned); };
   // The first iteration compiles what is not in a cache: its time tells nothing of the others'.
-  std::optional<Progress> compiling;
-  if (training.status().iteration < training.status().planned) {
-    compiling.emplace("compile kernels", 1, style);
-    compiling->update(0);
-  }
-  Progress progress("train", planned(), style);
+  bool compiles = training.status().iteration < training.status().planned;
+  if (compiles) stages.update("compile kernels", 0, 1);
+  std::uint64_t end = planned();
+  std::optional<Progress> progress;
+  progress.emplace("train", end, style);
   Outlook outlook(training);
   std::optional<InterruptionPoint> interruption;
   if (checkpoints.every > 0) interruption.emplace();
@@ -216,16 +220,20 @@ TrainHistory run_training(Training& training,
       training
           .run(
               [&](const TrainStatus& status) {
-                progress.set_total(planned());
-                if (compiling) {
-                  compiling->update(1);
-                  compiling->finish();
-                  compiling.reset();
-                  progress.start_at(static_cast<std::uint64_t>(status.iteration));
+                if (compiles) {
+                  compiles = false;
+                  stages.finish();
+                  progress->start_at(static_cast<std::uint64_t>(status.iteration));
                   outlook.start_at(status.iteration);
                 }
-                progress.update(static_cast<std::uint64_t>(status.iteration),
-                                outlook.on(status_note(status, device.memory()), status));
+                if (planned() != end) {  // a training that decides how long it goes on: a bar of its own
+                  progress->finish();
+                  end = planned();
+                  progress.emplace("train on", end, style);
+                  progress->start_at(static_cast<std::uint64_t>(status.iteration));
+                }
+                progress->update(static_cast<std::uint64_t>(status.iteration),
+                                 outlook.on(status_note(status, device.memory()), status));
                 recorder.add(status, device.memory());
                 live.update(status);
                 if (interruption && ranks.any(interruption->is_asked_for())) {
@@ -234,52 +242,68 @@ TrainHistory run_training(Training& training,
               },
               checkpoints)
           .train;
-  progress.finish(status_note(report.last, device.memory()));
+  stages.finish();
+  progress->finish(status_note(report.last, device.memory()));
   live.update(report.last, true);
   if (ranks.is_first()) warn(report);
   return history;
 }
 
-EvalReport run_evaluation(Evaluation& evaluation, const Globals& globals) {
+SceneFile trained_scene(Training&& training, const Globals& globals) {
+  StageProgress stages(progress_style(globals));
+  stages.update("complete the scene", 0, 1);
+  SceneFile scene = std::move(training).result();
+  stages.finish();
+  return scene;
+}
+
+EvalReport run_evaluation(Evaluation& evaluation,
+                          const Globals& globals,
+                          const std::filesystem::path& scene) {
   FileProgress progress("evaluate", globals);
-  const EvalReport report = evaluation.run(progress.callback());
+  const EvalReport report = scene.empty() ? evaluation.run(progress.callback())
+                                          : score_trained(evaluation, scene, progress.callback());
   progress.finish();
   return report;
 }
 
-std::vector<MetricLine> metric_lines(const EvalReport& r) {
+std::vector<ScoreLine> metric_lines(const EvalReport& r) {
   const SweepMetrics& l = r.lidar;
-  std::vector<MetricLine> lines;
-  const auto line = [&](const char* name, const std::string& value, const char* unit) {
-    lines.push_back({name, value, unit});
-  };
-  line("PSNR", number_text(r.psnr_db, 2), "dB");
-  line("  each picture's tint corrected", number_text(r.psnr_corrected_db, 2), "dB");
-  line("SSIM", number_text(r.ssim, 4), "");
-  line("distance error, median", number_text(l.distance_median_m * 100.0, 2), "cm");
-  line("  of expected distances", number_text(r.distance_expected_median_m * 100.0, 2), "cm");
-  line("distance error, median squared", number_text(l.medl2_m2, 6), "m^2");
-  line("distance error, mean rel. squared", number_text(l.mean_rel_l2, 5), "");
-  line("intensity error, RMS", number_text(l.intensity_rmse, 4), "of 1");
-  line("ray drop, right decisions", number_text(l.raydrop_accuracy * 100.0, 2), "% of rays");
+  std::vector<ScoreLine> lines;
+  using enum Better;
+  const auto line =
+      [&](const char* name, const std::string& value, const char* unit, Better better = kNeither) {
+        lines.push_back({name, value, unit, better});
+      };
+  lines.push_back(psnr_line(r.psnr_db));
+  line("  each picture's tint corrected", number_text(r.psnr_corrected_db, 2), "dB", kHigher);
+  lines.push_back(ssim_line(r.ssim));
+  lines.push_back(distance_line(l.distance_median_m));
+  line("  of expected distances", number_text(r.distance_expected_median_m * 100.0, 2), "cm", kLower);
+  line("distance error, median squared", number_text(l.medl2_m2, 6), "m^2", kLower);
+  line("distance error, mean rel. squared", number_text(l.mean_rel_l2, 5), "", kLower);
+  lines.push_back(intensity_line(l.intensity_rmse));
+  lines.push_back(drop_line(l.raydrop_accuracy));
   line("  if every ray returned", number_text(l.raydrop_trivial * 100.0, 2), "% of rays");
   line("  dropped rays found",
        number_text(l.drop_recall * 100.0, 2),
-       share_of("% of dropped rays", l.drop_recall));
+       share_of("% of dropped rays", l.drop_recall),
+       kHigher);
   line("  drops that are right",
        number_text(l.drop_precision * 100.0, 2),
-       share_of("% of rays said to drop", l.drop_precision));
+       share_of("% of rays said to drop", l.drop_precision),
+       kHigher);
   if (r.share_own > 0.0)
     line("rays on the own vehicle, left out", number_text(r.share_own * 100.0, 2), "% of rays");
-  line("Chamfer, squared", number_text(l.chamfer_m2, 4), "m^2");
-  line("Chamfer, mean of both ways", number_text(l.chamfer_m, 4), "m");
+  line("Chamfer, squared", number_text(l.chamfer_m2, 4), "m^2", kLower);
+  lines.push_back(chamfer_line(l.chamfer_m));
   if (r.actor_pixels + r.actor_returns > 0) {
-    line("PSNR inside actors' boxes", number_text(r.actor_psnr_db, 2), "dB");
-    line("distance error there, median", number_text(r.actor_distance_median_m * 100.0, 2), "cm");
-    line("returns there that end there", number_text(r.actor_share_met * 100.0, 2), "% of them");
+    line("PSNR inside actors' boxes", number_text(r.actor_psnr_db, 2), "dB", kHigher);
+    line("distance error there, median", number_text(r.actor_distance_median_m * 100.0, 2), "cm", kLower);
+    line("returns there that end there", number_text(r.actor_share_met * 100.0, 2), "% of them", kHigher);
   }
-  line("camera speed", number_text(r.camera_mp_per_s, 2), "MP/s");
-  line("LiDAR speed", number_text(r.lidar_mr_per_s, 2), "MR/s");
+  line("camera speed", number_text(r.camera_mp_per_s, 2), "MP/s", kHigher);
+  line("LiDAR speed", number_text(r.lidar_mr_per_s, 2), "MR/s", kHigher);
   return lines;
 }
 
@@ -314,16 +338,8 @@ void print_eval(const EvalReport& r, const SceneFile& scene, bool json, const Ev
     std::cout << json_text(out) << '\n';
     return;
   }
-  std::cout << fmt::format("{}: {} pictures of {} x {} px, {} sweeps, on {}\n",
-                           r.frames.label(),
-                           r.images,
-                           r.image_width,
-                           r.image_height,
-                           r.sweeps,
-                           r.device);
-  for (const MetricLine& line : metric_lines(r)) {
-    std::cout << fmt::format("  {:<34} {:>10} {}\n", line.name, line.value, line.unit);
-  }
+  std::cout << fmt::format("{}, on {}\n", compared_text(r.frames.label(), scores_of(r)), r.device);
+  for (const ScoreLine& line : metric_lines(r)) std::cout << text_of(line);
   for (const TextTable& table : eval_tables(r)) std::cout << text_of(table);
   if (r.sweeps_without_distance + r.sweeps_without_chamfer > 0) {
     std::cout << fmt::format("  left out of means: {} sweeps without returns, {} without predicted points\n",

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "host/apps/cli/base/commands.hpp"
+#include "host/apps/cli/base/provenance.hpp"
 #include "host/apps/cli/report/eval_support.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/train/training.hpp"
@@ -43,16 +44,16 @@ TrainHistory run_training(Training& training,
                           const Globals& globals,
                           const TrainOutputs& outputs = {});
 
-/// The same for an evaluation.
-[[nodiscard]] EvalReport run_evaluation(Evaluation& evaluation, const Globals& globals);
+/// Training::result(), which renders the training frames and fills what was hidden, as a stage of its own.
+[[nodiscard]] SceneFile trained_scene(Training&& training, const Globals& globals);
 
-/// A metric as people read it.
-struct MetricLine {
-  std::string name;
-  std::string value;
-  std::string unit;
-};
-[[nodiscard]] std::vector<MetricLine> metric_lines(const EvalReport& report);
+/// The same for an evaluation; of a scene that was trained just now with the folder it is in, which keeps its
+/// scores.
+[[nodiscard]] EvalReport run_evaluation(Evaluation& evaluation,
+                                        const Globals& globals,
+                                        const std::filesystem::path& scene = {});
+
+[[nodiscard]] std::vector<ScoreLine> metric_lines(const EvalReport& report);
 /// On stdout, as a table with units or as JSON with units in the key names; `scene` says how it was made;
 /// `support`: where it was asked for.
 void print_eval(const EvalReport& report,

@@ -1,18 +1,22 @@
 #include "host/apps/cli/train/print_report.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <fmt/format.h>
 #include <iostream>
-#include <nlohmann/json.hpp>
 #include <vector>
 
+#include "host/apps/cli/base/counted.hpp"
 #include "host/apps/cli/base/json_text.hpp"
+#include "host/apps/cli/base/provenance.hpp"
+#include "host/apps/cli/base/quoted.hpp"
+#include "io/scene/training_json.hpp"
 
 namespace simuli::cli {
 namespace {
 
-nlohmann::ordered_json json_of(const std::vector<LengthStage>& stages) {
-  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+Json json_of(const std::vector<LengthStage>& stages) {
+  Json out = Json::array();
   for (const LengthStage& s : stages) {
     out.push_back({{"iterations", s.iterations},
                    {"square", s.square},
@@ -59,89 +63,106 @@ std::string path_text(const PathReport& path) {
       "  path refined by up to {:.1f} cm: {}; {:.1f} s\n", 100.0 * path.largest_change_m, fit, path.seconds);
 }
 
+/// What to type next.
+std::string next_text(const EndedTraining& ended) {
+  const std::string scene = shell_word(ended.scene);
+  std::string text;
+  if (!ended.report.empty()) text += fmt::format("report  {}\n", ended.report);
+  text += fmt::format("next    simuli view {}\n", scene);
+  if (ended.report.empty()) {
+    text += fmt::format("        simuli eval {} {} --report {}\n",
+                        scene,
+                        shell_word(ended.log),
+                        shell_word(std::filesystem::path(ended.scene).replace_extension(".html").string()));
+  }
+  return text;
+}
+
 }  // namespace
 
-void print_report(const TrainingReport& report, const std::string& scene, bool json) {
+void print_report(const EndedTraining& ended, bool json) {
+  const TrainingReport& report = ended.training;
   const TrainReport& r = report.train;
   const InitReport& init = report.init;
   const FindReport& found = report.found;
   const PathReport& path = report.path;
   if (json) {
-    const nlohmann::ordered_json out = {{"scene", scene},
-                                        {"iterations", r.last.iteration},
-                                        {"stretches", report.stretches.count},
-                                        {"stretch_m", report.stretches.length_m},
-                                        {"foretold_host_bytes", report.stretches.host_bytes},
-                                        {"foretold_device_bytes", report.stretches.device_bytes},
-                                        {"stopped_early", r.stopped_early},
-                                        {"stages", json_of(r.stages)},
-                                        {"images", r.images},
-                                        {"sweeps", r.sweeps},
-                                        {"camera_particles", r.camera_particles},
-                                        {"lidar_particles", r.lidar_particles},
-                                        {"path_refined", path.used},
-                                        {"path_recorded_m", path.recorded_m},
-                                        {"path_refined_m", path.refined_m},
-                                        {"path_largest_change_m", path.largest_change_m},
-                                        {"path_seconds", path.seconds},
-                                        {"found_actors", found.actors},
-                                        {"added_actors", found.added},
-                                        {"continued_labels", found.continued},
-                                        {"moving_returns", found.moving_returns},
-                                        {"moving_returns_on_actors", found.moving_on_actors},
-                                        {"find_seconds", found.seconds},
-                                        {"depth_points", init.depth_points},
-                                        {"wall_points", init.wall_points},
-                                        {"ground_points", init.ground_points},
-                                        {"moving_points", init.moving_points},
-                                        {"train_psnr_db", r.last.psnr_db},
-                                        {"train_distance_m", r.last.distance_m},
-                                        {"train_drop_accuracy", r.last.drop_accuracy},
-                                        {"relocated", r.relocated},
-                                        {"grown", r.grown},
-                                        {"pruned", r.pruned},
-                                        {"row_ranges_m", r.row_ranges_m},
-                                        {"lidar_cells", init.lidar_cells},
-                                        {"lidar_thinned", init.lidar_thinned},
-                                        {"anchor_m", r.anchor_m},
-                                        {"rejected_gradients", r.rejected_gradients},
-                                        {"unsound_particles", r.unsound_particles},
-                                        {"unsound_losses", r.unsound_losses},
-                                        {"warnings", r.warnings},
-                                        {"ranks", r.ranks},
-                                        {"gathered_bytes", r.gathered_bytes},
-                                        {"init_seconds", init.seconds},
-                                        {"seconds", r.seconds}};
+    const Json out = {{"scene", ended.scene},
+                      {"iterations", r.last.iteration},
+                      {"stretches", report.stretches.count},
+                      {"stretch_m", report.stretches.length_m},
+                      {"foretold_host_bytes", report.stretches.host_bytes},
+                      {"foretold_device_bytes", report.stretches.device_bytes},
+                      {"stopped_early", r.stopped_early},
+                      {"stages", json_of(r.stages)},
+                      {"images", r.images},
+                      {"sweeps", r.sweeps},
+                      {"camera_particles", ended.camera_particles},
+                      {"lidar_particles", ended.lidar_particles},
+                      {"path_refined", path.used},
+                      {"path_recorded_m", path.recorded_m},
+                      {"path_refined_m", path.refined_m},
+                      {"path_largest_change_m", path.largest_change_m},
+                      {"path_seconds", path.seconds},
+                      {"found_actors", found.actors},
+                      {"added_actors", found.added},
+                      {"continued_labels", found.continued},
+                      {"moving_returns", found.moving_returns},
+                      {"moving_returns_on_actors", found.moving_on_actors},
+                      {"find_seconds", found.seconds},
+                      {"depth_points", init.depth_points},
+                      {"wall_points", init.wall_points},
+                      {"ground_points", init.ground_points},
+                      {"moving_points", init.moving_points},
+                      {"train_psnr_db", r.last.psnr_db},
+                      {"train_distance_m", r.last.distance_m},
+                      {"train_drop_accuracy", r.last.drop_accuracy},
+                      {"relocated", r.relocated},
+                      {"grown", r.grown},
+                      {"pruned", r.pruned},
+                      {"row_ranges_m", r.row_ranges_m},
+                      {"lidar_cells", init.lidar_cells},
+                      {"lidar_thinned", init.lidar_thinned},
+                      {"anchor_m", r.anchor_m},
+                      {"rejected_gradients", r.rejected_gradients},
+                      {"unsound_particles", r.unsound_particles},
+                      {"unsound_losses", r.unsound_losses},
+                      {"warnings", r.warnings},
+                      {"ranks", r.ranks},
+                      {"gathered_bytes", r.gathered_bytes},
+                      {"init_seconds", init.seconds},
+                      {"seconds", r.seconds},
+                      {"held_out", ended.held_out ? to_json(*ended.held_out) : Json()},
+                      {"report", ended.report.empty() ? Json() : Json(ended.report)}};
     std::cout << json_text(out) << '\n';
     return;
   }
   std::cout
-      << fmt::format("scene {}\n  {} iterations on {} images and {} sweeps, {:.1f} s + {:.1f} s\n",
-                     scene,
-                     r.last.iteration,
-                     r.images,
-                     r.sweeps,
+      << fmt::format("scene {}\n  {} on {} and {}: {:.1f} s to initialise, {:.1f} s to train\n",
+                     ended.scene,
+                     counted(r.last.iteration, "iteration"),
+                     counted(r.images, "image"),
+                     counted(r.sweeps, "sweep"),
                      init.seconds,
                      r.seconds)
       << ranks_text(r) << stages_text(r.stages) << path_text(path)
-      << (found.sweeps == 0
-              ? ""
-              : fmt::format("  {} moving things found in {:.1f} s, with {} of {} returns that moved; {} of "
-                            "them have no label, {} labels go on where they had ended\n",
-                            found.actors,
-                            found.seconds,
-                            found.moving_on_actors,
-                            found.moving_returns,
-                            found.added,
-                            found.continued))
+      << (found.sweeps == 0 ? ""
+                            : fmt::format("  {} found in {:.1f} s, with {} of {} returns that moved; {} of "
+                                          "them have no label, {} labels go on where they had ended\n",
+                                          counted(found.actors, "moving thing"),
+                                          found.seconds,
+                                          found.moving_on_actors,
+                                          found.moving_returns,
+                                          found.added,
+                                          found.continued))
       << fmt::format(
              "  camera set {} particles ({} of them the far shell, {} where only the laser saw what is "
              "there), LiDAR set {} particles ({} of them on surfaces that return nothing; and {} on walls "
              "above)\n",
-             r.camera_particles,
+             ended.camera_particles,
              init.shell_particles,
              init.filled_particles,
-             r.lidar_particles,
+             ended.lidar_particles,
              init.dark_points,
              init.unmet_points)
       << fmt::format("  {} relocated, {} new, {} pruned; ranges of rows corrected by up to {:.1f} cm{}\n",
@@ -157,7 +178,9 @@ void print_report(const TrainingReport& report, const std::string& scene, bool j
              init.lidar_thinned,
              init.camera_thinned,
              init.unseen_points,
-             init.joined_points);
+             init.joined_points)
+      << (ended.held_out ? text_of(*ended.held_out) : "no frame was held out: no scores\n")
+      << next_text(ended);
 }
 
 }  // namespace simuli::cli

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,6 +31,7 @@
 #include "io/base/temporary.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/scene/scene_output.hpp"
+#include "optim/eval/held_out_scores.hpp"
 #include "optim/ranks/rank_threads.hpp"
 #include "optim/stretch/stretch_parts.hpp"
 #include "optim/train/training.hpp"
@@ -82,21 +84,26 @@ std::size_t memory_size(const char* option, const std::string& text) {
   throw_usage_error(option, text, "a size above 0: 6GB, 512MiB, or bytes");
 }
 
-/// With what held-out frames say; of all frames when none was held out.
-void write_train_report(const TrainCommand& command,
-                        const Device& device,
-                        SceneFile scene,
-                        Log log,
-                        const TrainedReport& trained,
-                        const Globals& globals) {
-  Evaluation evaluation(device, std::move(scene), std::move(log), {.render = command.options.train.render});
-  const EvalReport report = run_evaluation(evaluation, globals);
-  write_report(
-      command.report,
-      {.title = fmt::format("simuli train: {} from {}", command.output, command.log), .trained = &trained},
-      globals,
-      evaluation,
-      report);
+/// What held-out frames say, kept with the scene; in the report all frames where none was held out.
+std::optional<HeldOutScores> score(const TrainCommand& command,
+                                   const Device& device,
+                                   SceneFile scene,
+                                   const Log& log,
+                                   const TrainedReport& trained,
+                                   const Globals& globals) {
+  const bool held_out = is_held_out(log, scene);
+  if (!held_out && command.report.empty()) return {};
+  Evaluation evaluation(device, std::move(scene), log, {.render = command.options.train.render});
+  const EvalReport report = run_evaluation(evaluation, globals, command.output);
+  if (!command.report.empty()) {
+    write_report(
+        command.report,
+        {.title = fmt::format("simuli train: {} from {}", command.output, command.log), .trained = &trained},
+        globals,
+        evaluation,
+        report);
+  }
+  return held_out ? scores_of(report) : std::optional<HeldOutScores>();
 }
 
 std::filesystem::path checkpoint_beside(const std::string& output) {
@@ -203,8 +210,9 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
   TrainedReport trained;
   trained.history = run_training(training, device, globals, command.outputs);
   trained.report = training.report();
-  SceneFile scene = std::move(training).result();
+  SceneFile scene = trained_scene(std::move(training), globals);
   write_scene(command.output, scene);
+  const auto camera_particles = scene.scene.camera.size(), lidar_particles = scene.scene.lidar.size();
   if (command.outputs.checkpoints.every == 0) {
     std::error_code ignored;  // nobody needs it any more, and the scene is there
     const std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
@@ -212,10 +220,16 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
     for (std::size_t i = 0; std::filesystem::remove(stretch_file(checkpoint, i), ignored); ++i) {
     }
   }
-  if (!command.report.empty()) {
-    write_train_report(command, device, std::move(scene), log, trained, globals);
-  }
-  print_report(trained.report, command.output, globals.json);
+  const std::optional<HeldOutScores> held_out =
+      score(command, device, std::move(scene), log, trained, globals);
+  print_report({.training = trained.report,
+                .held_out = held_out,
+                .camera_particles = camera_particles,
+                .lidar_particles = lidar_particles,
+                .log = command.log,
+                .scene = command.output,
+                .report = command.report},
+               globals.json);
 }
 
 /// A rank of a launcher. What all of them know is told by the first one alone.

@@ -1,6 +1,5 @@
 #include "host/apps/cli/view/view_command.hpp"
 
-#include <algorithm>
 #include <fmt/format.h>
 #include <set>
 
@@ -11,16 +10,6 @@
 
 namespace simuli::cli {
 namespace {
-
-/// As a shell reads it back.
-std::string shell_word(const std::string& word) {
-  const auto is_plain = [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
-           std::string_view("_-./:,@=+").find(c) != std::string_view::npos;
-  };
-  if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
-  return quoted(word);
-}
 
 std::set<std::string> actors_of(const Edits& edits) {
   std::set<std::string> names(edits.remove.begin(), edits.remove.end());
