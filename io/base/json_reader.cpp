@@ -90,6 +90,7 @@ class Builder final : public nlohmann::json_sax<Json> {
     // It quotes what it read last: a string without an end is the rest of the file.
     constexpr std::size_t kMost = 200;
     std::string what(error.what());
+    what.erase(0, what.starts_with('[') ? what.find(' ') + 1 : 0);  // its own name for the error
     if (what.size() > kMost) what = what.substr(0, kMost) + "...";
     throw_input_error(file_, "JSON", what, "well-formed JSON");
   }

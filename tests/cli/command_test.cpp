@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <new>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -35,7 +36,10 @@ class CommandTest : public testing::Test {
     sub.option("--text", values_.text, "a text").one_of({"some", "other"}).with_default();
     count_ = std::make_unique<Option>(sub.option("--count", values_.count, "how many").range(1, 9));
     sub.option("--many", values_.many, "more").range(std::int64_t{1}, std::int64_t{1} << 40).with_default();
-    sub.option("--size", values_.size, "its size");
+    sub.option("--size",
+               values_.size,
+               "its size, of which more can be said than fits in a line of a terminal, so that it goes on in "
+               "the next one, and on");
     sub.option("--length", values_.length_m, "m").positive().with_default();
     sub.option("--names", values_.names, "of all").answers("help", [this] { ++answers_; });
     sub.flag("--flag", values_.flag, "says yes");
@@ -117,6 +121,15 @@ TEST_F(CommandTest, HelpTellsTypesRangesAndOnlyTheDefaultsAskedFor) {
   EXPECT_EQ(text.find("=3"), std::string::npos) << text;
   EXPECT_EQ(help({"--version"}), "program 1.2\n");
   EXPECT_EQ(runs_, 0);
+}
+
+TEST_F(CommandTest, HelpIsWrappedAndAnswersToItsName) {
+  const std::string text = help({"draw", "--help"});
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 120U) << line;
+  EXPECT_EQ(help({"help", "draw"}), text);
+  EXPECT_EQ(help({"help"}), help({"--help"}));
+  EXPECT_EQ(help({"version"}), "program 1.2\n");
 }
 
 TEST_F(CommandTest, RefusalsNameTheOptionAndWhatIsAllowed) {

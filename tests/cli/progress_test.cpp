@@ -49,8 +49,8 @@ TEST_F(ProgressTest, TheTimeLeftIsOfTheStepsSinceTheStart) {
   now_s_ += 60.0;  // a first step that compiles, of a training that goes on at 500
   progress.start_at(501);
   now_s_ += 10.0;
-  progress.update(511);
-  EXPECT_EQ(take(), "train  51 % 511/1000  8:09 left\n");
+  progress.update(526);
+  EXPECT_EQ(take(), "train  52 % 526/1000  3:10 left\n");
   progress.update(1000);
   progress.finish();
   EXPECT_EQ(take(), "train 100 % 1000/1000  0:10 elapsed\n");

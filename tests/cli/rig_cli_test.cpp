@@ -73,7 +73,6 @@ TEST_F(RigCli, BadRequestsAreRefused) {
   write_rig({{{"name", "a"}, {"sensor", "front"}}, {{"name", "b"}, {"sensor", "nobody"}}});
   expect_failure("render s.scene --rig rig.json -o x", kInput, "rig.json: sensors[1].sensor");
   write_rig({{{"name", "a"}, {"sensor", "front"}}});
-  expect_failure("render s.scene -o x", kUsage, "allowed at least one, or --rig FILE");
   expect_failure("render s.scene --rig rig.json --sensor front -o x", kUsage, "--sensor");
   expect_failure("render s.scene --rig rig.json --mount 0,0,0,0,0,0 -o x", kUsage, "--mount");
   expect_failure("render s.scene --rig rig.json --frames 5:6 -o x", kUsage, "a:b with 0 <= a <= b < 6");

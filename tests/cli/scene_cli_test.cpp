@@ -114,6 +114,51 @@ TEST_F(SceneCli, TrainEndsWithTheScoresThatEvalAndInfoTell) {
   EXPECT_EQ(all.err.find("evaluate"), std::string::npos) << all.err;
 }
 
+/// What first users typed.
+TEST_F(SceneCli, SmallThingsAreTakenOrRefusedInOneLine) {
+  make_street();
+  const Outcome train = run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3 --json");
+  ASSERT_EQ(train.exit_code, 0) << train.err;
+  // All sensors of the scene where none is named; one frame by its number.
+  const Outcome all = run("render s.scene --frames 2 -o all");
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_EQ(all.out, "1 frame of front in all/front\n1 frame of top in all/top\n");
+  EXPECT_TRUE(fs::exists(folder_ / "all" / "front" / "front_000002.png"));
+  // Tracks of scenes, too; and who is in no frame is told of.
+  const Outcome seen =
+      run("render s.scene --sensor front --frames 0 --duplicate car:twin -o a "
+          "--track twin:s.scene:car --move twin:5,0,0");
+  EXPECT_EQ(seen.exit_code, 0) << seen.err;
+  EXPECT_EQ(seen.err.find("note:"), std::string::npos) << seen.err;
+  const Outcome behind =
+      run("render s.scene --sensor front --frames 0 --duplicate car:twin --move twin:-60,0,0 -o b");
+  EXPECT_NE(behind.err.find("simuli: note: twin is in none of these frames"), std::string::npos)
+      << behind.err;
+  EXPECT_EQ(run("help render").out, run("render --help").out);
+  EXPECT_EQ(run("version").out, run("--version").out);
+  std::ofstream(folder_ / "a.usdz") << "PK";
+  std::ofstream(folder_ / "a.json") << "{\"a\": ";
+  struct Case {
+    const char* arguments;
+    int exit_code;
+    const char* told;
+  };
+  for (const Case& c :
+       {Case{"render s.scene --sensor front --lane-shift left -o x",
+             kUsage,
+             "--lane-shift: found left, allowed a number"},
+        Case{"render s.scene --sensor front --frames 9 -o x",
+             kUsage,
+             "found \"9\", allowed a or a:b with 0 <= a"},
+        Case{"train s.log -o x --held-out a", kUsage, "--held-out: found a, allowed a whole number"},
+        Case{"--device nosuch devices", static_cast<int>(simuli::ErrorKind::kDevice), "nosuch"},
+        Case{"info a.usdz", kInput, "a.usdz: file: found no JSON, allowed a sensor's JSON; splats"},
+        Case{"info a.json", kInput, "a.json: JSON: found parse error"},
+        Case{"export s.scene --at 50 -o x.ply", kUsage, "--at: found 50, allowed "}}) {
+    expect_failure(c.arguments, c.exit_code, c.told);
+  }
+}
+
 TEST_F(SceneCli, ALogIsNoSceneAndIsToldSo) {
   make_street();
   const Outcome outcome =
@@ -131,7 +176,7 @@ TEST_F(SceneCli, WhatIsComparedIsCalledByItsName) {
     return outcome;
   };
   const Outcome held_out = eval("s.scene s.log");
-  EXPECT_EQ(held_out.out.rfind("held-out frames: 1 pictures of 32 x 18 px", 0), 0U) << held_out.out;
+  EXPECT_EQ(held_out.out.rfind("held-out frames: 1 picture of 32 x 18 px", 0), 0U) << held_out.out;
   EXPECT_EQ(eval("s.scene s.log --held-out 0").out.rfind("all frames, some of which were trained on: 6", 0),
             0U);
   const nlohmann::json json = nlohmann::json::parse(eval("s.scene s.log --held-out 2 --json").out);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/apps/cli/base/commands.hpp"
+#include "host/apps/cli/base/counted.hpp"
 #include "host/apps/cli/base/json_text.hpp"
 #include "host/apps/cli/base/settings.hpp"
 #include "host/core/base/angles.hpp"
@@ -78,7 +79,8 @@ std::string size_text(const Eigen::Vector3d& size) {
 
 std::string text_of(const FoundActors& found) {
   const FindReport& r = found.report;
-  std::string text = fmt::format("{} moving things in {} sweeps, {:.1f} s\n", r.actors, r.sweeps, r.seconds);
+  std::string text = fmt::format(
+      "{} in {}, {:.1f} s\n", counted(r.actors, "moving thing"), counted(r.sweeps, "sweep"), r.seconds);
   for (const Actor& actor : found.actors) {
     text += fmt::format("  {:<10} {}, {:.1f} to {:.1f} s in {} poses, way {:.1f} m\n",
                         actor.name,

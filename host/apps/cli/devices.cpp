@@ -160,6 +160,9 @@ void devices(bool check, const Globals& globals) {
   if (all.empty()) {
     throw Error(ErrorKind::kDevice, "devices: found none, allowed any with an OpenCL 1.2 driver (e.g. PoCL)");
   }
+  if (!globals.device.empty()) {  // none of that name: as of every command
+    for (const std::string& device : devices_of(globals.device)) static_cast<void>(Device::best(device));
+  }
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   std::string failed;
   for (std::size_t i = 0; i < all.size(); ++i) {

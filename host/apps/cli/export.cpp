@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/apps/cli/base/commands.hpp"
+#include "host/apps/cli/base/counted.hpp"
 #include "host/apps/cli/base/edits.hpp"
 #include "host/apps/cli/base/file_progress.hpp"
 #include "host/apps/cli/base/json_text.hpp"
@@ -63,6 +64,13 @@ Export of_splats(const ExportCommand& command) {
 
 Export of_scene(const ExportCommand& command) {
   SceneFile file = read_told_scene(command.input);
+  if (const Trajectory& path = file.world_from_rig; command.is_moment && !path.poses().empty()) {
+    if (!(command.at_s >= path.start_s() && command.at_s <= path.end_s())) {
+      throw_usage_error("--at",
+                        fmt::format("{}", command.at_s),
+                        fmt::format("{:.2f} to {:.2f}, the scene's time", path.start_s(), path.end_s()));
+    }
+  }
   apply(command.edits, file);
   const Scene& scene = file.scene;
   const GaussianSet& all = command.lidar ? scene.lidar : scene.camera;
@@ -104,11 +112,11 @@ void export_drive(const ExportCommand& command, const Globals& globals) {
                                         {"ground_triangles", archive.ground_triangles}};
     std::cout << json_text(out) << '\n';
   } else {
-    std::cout << fmt::format("scene {}: {} cameras, {} actors, {} triangles of ground in {}\n",
+    std::cout << fmt::format("scene {}: {}, {}, {} of ground in {}\n",
                              id,
-                             scene.cameras.size(),
-                             archive.actors,
-                             archive.ground_triangles,
+                             counted(scene.cameras.size(), "camera"),
+                             counted(archive.actors, "actor"),
+                             counted(archive.ground_triangles, "triangle"),
                              command.output);
   }
 }
@@ -131,8 +139,11 @@ void export_log(const ExportCommand& command, const Globals& globals) {
                                         {"boxes", done.boxes}};
     std::cout << json_text(out) << '\n';
   } else {
-    std::cout << fmt::format(
-        "{} pictures, {} sweeps, {} boxes in {}\n", done.pictures, done.sweeps, done.boxes, command.output);
+    std::cout << fmt::format("{}, {}, {} in {}\n",
+                             counted(done.pictures, "picture"),
+                             counted(done.sweeps, "sweep"),
+                             counted(done.boxes, "box", "boxes"),
+                             command.output);
   }
 }
 

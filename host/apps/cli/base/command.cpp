@@ -92,6 +92,18 @@ std::string refusal(const CLI::App& root, const CLI::ParseError& error) {
   } else if (const auto commands = command_names(app); lacks_something && !commands.empty()) {
     what = fmt::format("found no command, allowed {}", fmt::join(commands, ", "));
   }
+  // What it can't read as a number it tells in a way of its own: "Could not convert: --count = many".
+  constexpr std::string_view kUnread = "Could not convert: ", kEquals = " = ";
+  if (const std::size_t equals = what.find(kEquals);
+      what.starts_with(kUnread) && equals != std::string::npos) {
+    const std::string name = what.substr(kUnread.size(), equals - kUnread.size());
+    const CLI::Option* const option = app.get_option_no_throw(name);
+    const bool is_whole = option != nullptr && option->get_type_name().find("INT") != std::string::npos;
+    what = fmt::format("{}: found {}, allowed a {}",
+                       name,
+                       what.substr(equals + kEquals.size()),
+                       is_whole ? "whole number" : "number");
+  }
   return fmt::format("{} ({} --help)", what, full_name(app));
 }
 
@@ -137,6 +149,23 @@ std::string shared_options(const CLI::App& command) {
   if (shown.empty() || formatter == nullptr) return {};
   return formatter->make_group("Options of every command", false, shown);
 }
+
+/// The library's own prints a description as one line, however long.
+class WrappedHelp : public CLI::Formatter {
+  [[nodiscard]] std::string make_option_desc(const CLI::Option* option) const override {
+    constexpr std::size_t kColumns = 110;
+    const std::size_t room = kColumns - get_column_width();
+    std::string text = option->get_description();
+    for (std::size_t begin = 0; text.size() - begin > room;) {
+      std::size_t blank = text.rfind(' ', begin + room);
+      if (blank == std::string::npos || blank <= begin) blank = text.find(' ', begin + room);
+      if (blank == std::string::npos) break;
+      text[blank] = '\n';
+      begin = blank + 1;
+    }
+    return text;
+  }
+};
 
 /// Leaves the library's parsing with what is to be run instead.
 struct Answer {
@@ -288,7 +317,9 @@ struct CommandLine::Impl {
   OptionMarks marks;
   std::map<std::string, Forward, std::less<>> foreign;
 
-  Impl(const std::string& name, const std::string& about) : app(about, name) {}
+  Impl(const std::string& name, const std::string& about) : app(about, name) {
+    app.formatter(std::make_shared<WrappedHelp>());  // of its commands, too
+  }
 
   /// Place of the command's name, or argc.
   [[nodiscard]] int command_at(int argc, const char* const* argv) const {
@@ -320,6 +351,13 @@ void CommandLine::add_foreign(const std::string& name, const std::string& help, 
 }
 
 bool CommandLine::parse(int argc, const char* const* argv) {
+  // As other programs take them: `help`, `help COMMAND`, `version`.
+  if (const std::string_view first = argc > 1 ? argv[1] : ""; first == "help" || first == "version") {
+    std::vector<const char*> as{argv[0]};
+    if (first == "help") as.insert(as.end(), argv + 2, argv + argc);
+    as.push_back(first == "help" ? "--help" : "--version");
+    return parse(static_cast<int>(as.size()), as.data());
+  }
   const int at = impl_->command_at(argc, argv);
   const auto foreign = at < argc ? impl_->foreign.find(std::string_view(argv[at])) : impl_->foreign.end();
   if (foreign != impl_->foreign.end()) {

@@ -1,6 +1,7 @@
 #include "host/apps/cli/base/edits.hpp"
 
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <iostream>
 
@@ -13,6 +14,7 @@
 #include "host/core/record/mirror.hpp"
 #include "host/core/scene/edit.hpp"
 #include "host/core/scene/placement.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/scene/splat_scene.hpp"
 
 namespace simuli::cli {
@@ -66,7 +68,9 @@ void add_edit_options(Command sub, Edits& edits) {
       edits.mirror,
       "ACTOR, of which one side alone was recorded: the other shows it mirrored; nothing where both were");
   add("--resize", edits.resize, "ACTOR:FACTOR, so many times as large; it stands where it stood");
-  add("--track", edits.track, "ACTOR:LOG[:ACTOR], the track of an actor of that log instead of its own");
+  add("--track",
+      edits.track,
+      "ACTOR:LOG[:ACTOR], the track of an actor of that log, or scene, instead of its own");
   add("--retime", edits.retime, "ACTOR:RATE[:DELAY_S], its track RATE times as fast, DELAY_S later");
   add("--move", edits.move, "ACTOR:FORWARD,LEFT,UP, metres in the actor's own frame");
   add("--turn", edits.turn, "ACTOR:DEGREES, to its left, about its own up");
@@ -152,7 +156,9 @@ void apply(const Edits& edits, SceneFile& file) {
   }
   for (const std::string& edit : edits.track) {
     const auto parts = parts_of("--track", edit, 2, 3, "ACTOR:LOG or ACTOR:LOG:ACTOR");
-    const std::vector<Actor> actors = read_log(parts[1]).actors;
+    const bool is_scene = is_there(std::filesystem::path(parts[1]) / "scene.json");
+    const std::vector<Actor> actors =
+        is_scene ? read_scene(parts[1]).scene.actors : read_log(parts[1]).actors;
     const std::string& name = parts.size() > 2 ? parts[2] : parts[0];
     retrack_actor(scene, parts[0], actors[find_actor(actors, name)].track);
   }

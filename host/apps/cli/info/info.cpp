@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <fstream>
 #include <iostream>
 #include <memory>
 #include <system_error>
@@ -35,6 +36,17 @@ bool is_there(const fs::path& path) {
 
 void print_any(const SensorFile& file, bool json) {
   std::visit([json](const auto& sensor) { print_sensor(sensor, json); }, file);
+}
+
+/// A sensor's file is JSON: what begins otherwise is another thing that we do not tell of.
+void need_json(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  char first = '{';
+  if (in >> first; first == '{') return;
+  throw_input_error(file.string(),
+                    "file",
+                    "no JSON",
+                    "a sensor's JSON; splats (.ply, .spz, .glb); the folder of a log or a scene");
 }
 
 /// Prints the sensor `name` of a log or a scene.
@@ -106,7 +118,10 @@ void info(const InfoOptions& options, bool json) {
                       "a recording",
                       "a log made of it by simuli import mcap, which says with --survey what is in it");
   }
-  if (fs::is_regular_file(target, ignored)) return print_any(read_sensor_file(target), json);
+  if (fs::is_regular_file(target, ignored)) {
+    need_json(target);
+    return print_any(read_sensor_file(target), json);
+  }
   print_builtin(options.target, json);
 }
 

@@ -59,11 +59,14 @@ std::vector<FrameSpan> recorded_spans(const SensorRig& recorded,
 void select_spans(Plan& plan, const std::string& frames) {
   if (frames.empty()) return;
   const std::vector<FrameSpan> all = plan.spans;
-  const std::vector<double> range = parse_numbers("--frames", frames, 2, ':');
+  const bool is_one = frames.find(':') == std::string::npos;
+  const std::string allowed_text = fmt::format("a or a:b with 0 <= a <= b < {}", all.size());
+  const std::vector<double> range =
+      parse_numbers("--frames", is_one ? frames + ':' + frames : frames, 2, ':', allowed_text);
   const double a = range[0], b = range[1];
   const bool allowed =
       a >= 0.0 && b >= a && b < static_cast<double>(all.size()) && a == std::floor(a) && b == std::floor(b);
-  if (!allowed) refuse("--frames", frames, fmt::format("a:b with 0 <= a <= b < {}", all.size()));
+  if (!allowed) refuse("--frames", frames, allowed_text);
   const auto first = all.begin() + static_cast<std::ptrdiff_t>(a);
   plan.spans = {first, first + static_cast<std::ptrdiff_t>(b - a) + 1};
   plan.first = static_cast<std::size_t>(a);
@@ -92,7 +95,8 @@ void add_plan_options(Command sub, PlanOptions& options) {
   sub.option("--trajectory", options.trajectory, "recorded: the scene's own, or a log folder").with_default();
   sub.option(
       "--times", options.times, "t0:t1:dt, frame starts in s of the log; default: the recorded frames");
-  sub.option("--frames", options.frames, "a:b, first and last of the sensor's recorded frames, from 0");
+  sub.option(
+      "--frames", options.frames, "a:b, first and last of the sensor's recorded frames, from 0; a: one");
   sub.option("--duration", options.duration_s, "of one frame, s; default: as recorded, or as the sensor says")
       .non_negative();
   sub.option("--speed", options.speed, "drive the path this many times as fast as recorded")

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/apps/cli/base/commands.hpp"
+#include "host/apps/cli/base/counted.hpp"
 #include "host/apps/cli/base/edits.hpp"
 #include "host/apps/cli/base/file_progress.hpp"
 #include "host/apps/cli/base/json_text.hpp"
@@ -118,7 +119,7 @@ OutputKind kind_of(const RenderCommand& command) {
     return OutputKind::kVideo;
   }
   if (command.as_log) return OutputKind::kLog;
-  const bool has_many = !command.sensors.rig.empty() || command.sensors.names.size() > 1;
+  const bool has_many = command.sensors.names.size() != 1;
   return has_many ? OutputKind::kFolders : OutputKind::kFolder;
 }
 
@@ -298,7 +299,8 @@ void print_outcome(const RenderCommand& command,
   for (const SensorPlan& view : views) {
     const std::string folder = folder_of(view, kind, command.output).string();
     const std::size_t frames = view.plan.spans.size();
-    if (!json) std::cout << fmt::format("{} frames of {} in {}\n", frames, view.sensor.name(), folder);
+    if (!json)
+      std::cout << fmt::format("{} of {} in {}\n", counted(frames, "frame"), view.sensor.name(), folder);
     sensors.push_back({{"folder", folder}, {"sensor", view.sensor.name()}, {"frames", frames}});
   }
   if (!json) return;
@@ -309,14 +311,57 @@ void print_outcome(const RenderCommand& command,
   std::cout << json_text(out) << '\n';
 }
 
+/// Whether a sensor of a frame may see some of the actor: of a camera a corner or the middle of its box in the
+/// picture, of a LiDAR within its range.
+bool may_see(const Sensor& sensor, const Shot& shot, const Actor& actor) {
+  if (!actor.is_there(shot.time_start_s)) return false;
+  const Pose sensor_from_actor = shot.world_from_sensor_start.inverse() * actor.at(shot.time_start_s);
+  if (!sensor.is_camera()) {
+    const double away_m = sensor_from_actor.translation.norm() - 0.5 * actor.size_m.norm();
+    return away_m < range_max(sensor.lidar());
+  }
+  for (int corner = 0; corner <= 8; ++corner) {
+    Eigen::Vector3d p_actor = Eigen::Vector3d::Zero();
+    for (int axis = 0; axis < 3 && corner < 8; ++axis) {
+      p_actor(axis) = ((corner >> axis & 1) != 0 ? 0.5 : -0.5) * actor.size_m(axis);
+    }
+    const Camera& camera = sensor.camera();
+    Eigen::Vector2d pixel;
+    if (!camera.project(sensor_from_actor * p_actor, pixel)) continue;
+    if (pixel.x() >= 0.0 && pixel.x() < camera.width && pixel.y() >= 0.0 && pixel.y() < camera.height)
+      return true;
+  }
+  return false;
+}
+
+/// Tells of actors that edits have put in and that no frame shows.
+void tell_unseen(const std::vector<Actor>& recorded,
+                 const std::vector<Actor>& actors,
+                 const std::vector<SensorPlan>& views) {
+  for (const Actor& actor : actors) {
+    if (has_actor(recorded, actor.name)) continue;
+    const bool is_seen = std::any_of(views.begin(), views.end(), [&](const SensorPlan& view) {
+      for (std::size_t i = 0; i < view.plan.spans.size(); ++i) {
+        if (may_see(view.sensor, view.plan.shot(view.sensor, i), actor)) return true;
+      }
+      return false;
+    });
+    if (is_seen) continue;
+    std::cerr << fmt::format(
+        "simuli: note: {} is in none of these frames: it stands where its track, or the "
+        "start of the path, puts it (--track, --move)\n",
+        actor.name);
+  }
+}
+
 void render(RenderCommand command, const Globals& globals) {
   const OutputKind kind = kind_of(command);
-  command.sensors.are_all = kind == OutputKind::kLog || kind == OutputKind::kRecording;
   RenderOptions options = options_of(globals.quality);
   fields_of(options).apply(command.settings);
   validate(options);
   SceneFile file = read_told_scene(command.scene);
   warn_unlike_training(file, options);
+  const std::vector<Actor> actors_before = file.scene.actors;
   apply(command.edits, file);
   const Drive drive = read_drive(command.scene, file, command.plan);
   const std::vector<SensorPlan> views = views_of(drive, file, command);
@@ -324,6 +369,7 @@ void render(RenderCommand command, const Globals& globals) {
     throw_usage_error(
         "-o", fmt::format("\"{}\" for {} sensors", command.output, views.size()), "a folder, or one sensor");
   }
+  tell_unseen(actors_before, file.scene.actors, views);
   const std::unique_ptr<const RecordedViews> recorded = recorded_views(command, file);
   std::size_t frames = 0, done = 0;
   for (const SensorPlan& view : views) frames += view.plan.spans.size();

@@ -41,7 +41,9 @@ Sensor sized(const Sensor& sensor, const SensorOptions& options) {
 }
 
 std::vector<RigSensor> named_sensors(const SensorRig& recorded, const SensorOptions& options) {
-  if (options.names.empty() && !options.are_all) refuse("--sensor", "", "at least one, or --rig FILE");
+  if (options.names.empty() && recorded.sensors().empty()) {
+    refuse("--sensor", "", "at least one, or --rig FILE: the scene has none of its own");
+  }
   const bool is_mounted = !options.mount.empty();
   if (is_mounted && options.names.size() != 1) {
     refuse("--mount", options.mount, "with one --sensor; a --rig FILE mounts many");
@@ -69,7 +71,7 @@ void add_sensor_options(Command sub, SensorOptions& options) {
   sub.option("--sensor",
              options.names,
              "a sensor of the scene; or a built-in camera or LiDAR, or one of a file, in its place; again "
-             "for more")
+             "for more; none: all of the scene")
       .one_at_a_time()
       .completed_by(builtin_sensor_names);
   sub.option("--rig", options.rig, "file of sensors and their mountings, all rendered").excludes("--sensor");

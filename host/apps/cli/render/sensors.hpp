@@ -12,10 +12,9 @@ namespace simuli::cli {
 /// As asked for on the command line.
 struct SensorOptions {
   std::vector<std::string> names;
-  bool are_all = false;  // of the scene, where none is named
-  std::string rig;       // a file (io/scene/rig_file.hpp) instead of names
-  std::string mount;     // x,y,z,roll,pitch,yaw in m and degrees; empty: where it is
-  std::string size;      // WxH; empty: as the camera says, times the scale
+  std::string rig;    // a file (io/scene/rig_file.hpp) instead of names
+  std::string mount;  // x,y,z,roll,pitch,yaw in m and degrees; empty: where it is
+  std::string size;   // WxH; empty: as the camera says, times the scale
   double scale = 1.0;
   double lane_shift_m = 0.0;
 };
