@@ -1,5 +1,6 @@
 #include "optim/eval/held_out_scores.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace simuli {
@@ -34,13 +35,15 @@ std::optional<HeldOutScores> write_trained_scene(const std::filesystem::path& fo
                                                  Log log,
                                                  const RenderOptions& render) {
   write_scene(folder, scene);
-  if (!is_held_out(log, scene)) return {};
+  if (!has_held_out(scene)) return {};
   Evaluation evaluation(device, std::move(scene), std::move(log), {.render = render});
   return scores_of(score_trained(evaluation, folder));
 }
 
-bool is_held_out(const Log& log, const SceneFile& scene) {
-  return select_eval_frames(log, scene).kind == FrameKind::kHeldOut;
+bool has_held_out(const SceneFile& scene) {
+  if (!scene.training) return false;
+  const std::vector<SensorUse>& uses = scene.training->sensors;
+  return std::any_of(uses.begin(), uses.end(), [](const SensorUse& use) { return use.held_out > 0; });
 }
 
 }  // namespace simuli

@@ -16,8 +16,8 @@ EvalReport score_trained(Evaluation& evaluation,
                          const std::filesystem::path& folder,
                          const Evaluation::Progress& progress = {});
 
-/// Whether the scene's training held frames of that log out.
-[[nodiscard]] bool is_held_out(const Log& log, const SceneFile& scene);
+/// Whether the scene's training held frames out; of a log of few frames it may have none to hold out.
+[[nodiscard]] bool has_held_out(const SceneFile& scene);
 
 /// What every training ends with: the scene in its folder, and then the scores of what was held out, if any
 /// was, for which `render` is how it was trained. `log` as it was read. The scene is there whatever becomes of

@@ -108,10 +108,18 @@ TEST_F(SceneCli, TrainEndsWithTheScoresThatEvalAndInfoTell) {
   EXPECT_EQ(told.at("camera_particles"), kept.at("camera_set").at("particles"));
   EXPECT_EQ(told.at("lidar_particles"), kept.at("lidar_set").at("particles"));
 
-  const Outcome all = run("train s.log -o c --iterations 1 --set init.voxel_m=0.3 --held-out 0");
-  ASSERT_EQ(all.exit_code, 0) << all.err;
-  EXPECT_NE(all.out.find("no frame was held out: no scores\n"), std::string::npos) << all.out;
-  EXPECT_EQ(all.err.find("evaluate"), std::string::npos) << all.err;
+  // Nothing was held out, as asked for, or because every tenth of six frames is none; a report shows all.
+  for (const char* how : {"0", "10"}) {
+    const std::string train_all =
+        fmt::format("train s.log -o c{0} --iterations 1 --set init.voxel_m=0.3 --held-out {0}", how);
+    const Outcome all = run(train_all);
+    ASSERT_EQ(all.exit_code, 0) << all.err;
+    EXPECT_NE(all.out.find("no frame was held out: no scores\n"), std::string::npos) << all.out;
+    EXPECT_EQ(all.err.find("evaluate"), std::string::npos) << all.err;
+  }
+  EXPECT_EQ(
+      run("train s.log -o d --iterations 1 --set init.voxel_m=0.3 --held-out 10 --report d.html").exit_code,
+      0);
 }
 
 /// What first users typed.

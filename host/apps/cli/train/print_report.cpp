@@ -70,9 +70,10 @@ std::string next_text(const EndedTraining& ended) {
   if (!ended.report.empty()) text += fmt::format("report  {}\n", ended.report);
   text += fmt::format("next    simuli view {}\n", scene);
   if (ended.report.empty()) {
-    text += fmt::format("        simuli eval {} {} --report {}\n",
+    text += fmt::format("        simuli eval {} {}{} --report {}\n",
                         scene,
                         shell_word(ended.log),
+                        ended.held_out ? "" : " --held-out 0",
                         shell_word(std::filesystem::path(ended.scene).replace_extension(".html").string()));
   }
   return text;

@@ -91,9 +91,11 @@ std::optional<HeldOutScores> score(const TrainCommand& command,
                                    const Log& log,
                                    const TrainedReport& trained,
                                    const Globals& globals) {
-  const bool held_out = is_held_out(log, scene);
+  const bool held_out = has_held_out(scene);
   if (!held_out && command.report.empty()) return {};
-  Evaluation evaluation(device, std::move(scene), log, {.render = command.options.train.render});
+  EvalOptions options{.render = command.options.train.render};
+  if (!held_out) options.held_out_every = 0;  // all frames
+  Evaluation evaluation(device, std::move(scene), log, options);
   const EvalReport report = run_evaluation(evaluation, globals, command.output);
   if (!command.report.empty()) {
     write_report(
