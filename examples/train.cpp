@@ -16,10 +16,12 @@ int main(int argc, char** argv) {
     training.run([](const simuli::TrainStatus& status) {
       if (status.iteration % 10 == 0) std::printf("%d: %.2f dB\n", status.iteration, status.psnr_db);
     });
-    simuli::write_scene(argv[2], training.result());
-    const simuli::EvalReport report = simuli::Evaluation(device, training.result(), log).run();
-    const double distance_cm = 100.0 * report.lidar.distance_median_m;
-    std::printf("%s: %.2f dB, %.2f cm\n", report.frames.label().c_str(), report.psnr_db, distance_cm);
+    const auto scores =
+        simuli::write_trained_scene(argv[2], device, training.result(), log, options.train.render);
+    if (scores) {
+      const double distance_cm = 100.0 * scores->distance_median_m;
+      std::printf("held-out frames: %.2f dB, %.2f cm\n", scores->psnr_db, distance_cm);
+    }
   } catch (const std::exception& error) {
     return std::fprintf(stderr, "train: %s\n", error.what()), 1;
   }
