@@ -23,7 +23,7 @@ struct SceneInit {
 /// Reads the training sweeps and images of `log` that `frames` selects, one at a time, and builds both
 /// particle sets of the static background and of the actors (sweeps are read twice to drop what moved). The
 /// camera set is made for pictures of that size. The same log and options give the same bits. The scene's
-/// origin is the mean position of the trajectory in whole metres. `progress(done, total)` is called after
+/// origin is the mean position of the trajectory in whole metres. `progress(done, total)` is called first and after
 /// each file. Throws Error{kUsage} for options outside their range, Error{kInput} when no frame is left for
 /// training or a file can't be read.
 [[nodiscard]] SceneInit initialize_scene(const Log& log,

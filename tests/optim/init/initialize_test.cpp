@@ -213,10 +213,10 @@ TEST_F(InitializeScene, HeldOutFramesAreNotRead) {
   fs::remove(log_.folder / log_.sweeps[1].file);
   std::size_t calls = 0;
   const SceneInit init = initialize_scene(log_, half, {}, [&](std::size_t done, std::size_t total) {
-    EXPECT_EQ(done, ++calls);
+    EXPECT_EQ(done, calls++);
     EXPECT_EQ(total, 6U);  // the sweep and the picture three times
   });
-  EXPECT_EQ(calls, 6U);
+  EXPECT_EQ(calls, 7U);  // before the first file, too
   EXPECT_EQ(init.report.sweeps, 1U);
   EXPECT_EQ(init.report.images, 1U);
   EXPECT_THROW((void)initialize_scene(log_, kFullSize, {}), Error);  // and the others are
