@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/fields.hpp"
@@ -33,42 +34,25 @@ std::vector<std::string> read_lines(JsonObject& object, const std::string& key) 
   return lines;
 }
 
-/// A score: null where there is no such frame.
-double read_score(JsonObject& object, const char* key) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-  const Json& score = object.get(key);
-  return score.is_null() ? kNone : object.number(key);
-}
-
 HeldOutScores read_scores(JsonObject& object) {
-  constexpr int kMost = std::numeric_limits<int>::max();
-  HeldOutScores s;
-  s.images = static_cast<std::size_t>(object.integer("images", 0, kMost));
-  s.sweeps = static_cast<std::size_t>(object.integer("sweeps", 0, kMost));
-  s.image_width = static_cast<int>(object.integer("image_width_px", 0, kMost));
-  s.image_height = static_cast<int>(object.integer("image_height_px", 0, kMost));
-  s.psnr_db = read_score(object, "psnr_db");
-  s.ssim = read_score(object, "ssim");
-  s.distance_median_m = read_score(object, "distance_median_m");
-  s.intensity_rmse = read_score(object, "intensity_rmse");
-  s.raydrop_accuracy = read_score(object, "raydrop_accuracy");
-  s.chamfer_m = read_score(object, "chamfer_m");
-  return s;
+  HeldOutScores scores;
+  visit_scores(scores, [&object](const char* key, auto& value) {
+    using Value = std::remove_reference_t<decltype(value)>;
+    if constexpr (std::is_integral_v<Value>) {
+      value = static_cast<Value>(object.integer(key, 0, std::numeric_limits<int>::max()));
+    } else {  // null where there is no such frame
+      value = object.get(key).is_null() ? std::numeric_limits<double>::quiet_NaN() : object.number(key);
+    }
+  });
+  return scores;
 }
 
 }  // namespace
 
-Json to_json(const HeldOutScores& s) {
-  return {{"images", s.images},
-          {"sweeps", s.sweeps},
-          {"image_width_px", s.image_width},
-          {"image_height_px", s.image_height},
-          {"psnr_db", s.psnr_db},
-          {"ssim", s.ssim},
-          {"distance_median_m", s.distance_median_m},
-          {"intensity_rmse", s.intensity_rmse},
-          {"raydrop_accuracy", s.raydrop_accuracy},
-          {"chamfer_m", s.chamfer_m}};
+Json to_json(const HeldOutScores& scores) {
+  Json out = Json::object();
+  visit_scores(scores, [&out](const char* key, const auto& value) { out[key] = value; });
+  return out;
 }
 
 Json to_json(const TrainingRecord& r) {

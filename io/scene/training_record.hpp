@@ -8,7 +8,6 @@
 
 namespace simuli {
 
-/// What it takes to make the scene again, and to know which frames it has not seen.
 /// What the frames that a training held out say of its scene, as `simuli eval` says it. NaN: no such frame.
 struct HeldOutScores {
   std::size_t images = 0, sweeps = 0;  // compared
@@ -21,7 +20,22 @@ struct HeldOutScores {
   double raydrop_accuracy = 0.0;
   double chamfer_m = 0.0;
 };
+/// Calls field(key, value) for each, as JSON and Python have them.
+template <class Scores, class Field>
+void visit_scores(Scores& s, Field&& field) {
+  field("images", s.images);
+  field("sweeps", s.sweeps);
+  field("image_width_px", s.image_width);
+  field("image_height_px", s.image_height);
+  field("psnr_db", s.psnr_db);
+  field("ssim", s.ssim);
+  field("distance_median_m", s.distance_median_m);
+  field("intensity_rmse", s.intensity_rmse);
+  field("raydrop_accuracy", s.raydrop_accuracy);
+  field("chamfer_m", s.chamfer_m);
+}
 
+/// What it takes to make the scene again, and to know which frames it has not seen.
 struct TrainingRecord {
   std::string log_name = {};
   std::string log_hash = {};  // io/log/log.hpp

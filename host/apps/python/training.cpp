@@ -9,18 +9,9 @@
 namespace simuli::python {
 namespace {
 
-py::dict dict_of(const HeldOutScores& s) {
+py::dict dict_of(const HeldOutScores& scores) {
   py::dict out;
-  out["images"] = s.images;
-  out["sweeps"] = s.sweeps;
-  out["image_width_px"] = s.image_width;
-  out["image_height_px"] = s.image_height;
-  out["psnr_db"] = s.psnr_db;
-  out["ssim"] = s.ssim;
-  out["distance_median_m"] = s.distance_median_m;
-  out["intensity_rmse"] = s.intensity_rmse;
-  out["raydrop_accuracy"] = s.raydrop_accuracy;
-  out["chamfer_m"] = s.chamfer_m;
+  visit_scores(scores, [&out](const char* key, const auto& value) { out[key] = value; });
   return out;
 }
 
