@@ -1,11 +1,14 @@
 #include "optim/init/ground_near.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
+#include <vector>
+
+#include "host/core/base/spread.hpp"
 
 namespace simuli {
 namespace {
@@ -24,9 +27,7 @@ std::optional<double> clearance_m(const GroundMap& ground, const std::vector<Pos
     if (const auto z = ground.height_m(p.x(), p.y())) all.push_back(p.z() - *z);
   }
   if (all.empty()) return std::nullopt;
-  const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-  std::nth_element(all.begin(), middle, all.end());
-  return *middle;
+  return upper_median(std::move(all));
 }
 
 }  // namespace

@@ -28,6 +28,7 @@ struct LidarScene {
 // What a mounting is good for: 3 cm at 10 m.
 inline constexpr double kWorstTranslation_m = 0.03;
 inline constexpr double kWorstRotation_rad = 0.2 * std::numbers::pi / 180.0;
+
 struct CameraPoseOptions {
   double widest_search = 0.06;   // of the focal length: 3.4 degrees
   int rounds = 14;               // of finding edges and solving

@@ -25,6 +25,7 @@
 #include "host/apps/cli/render/sensors.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/base/version.hpp"
+#include "host/core/sensors/own_time.hpp"
 #include "host/device/render/options/validate.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
 #include "io/base/file.hpp"
@@ -325,10 +326,8 @@ bool may_see(const Sensor& sensor, const Shot& shot, const Actor& actor) {
     for (int axis = 0; axis < 3 && corner < 8; ++axis) {
       p_actor(axis) = ((corner >> axis & 1) != 0 ? 0.5 : -0.5) * actor.size_m(axis);
     }
-    const Camera& camera = sensor.camera();
     Eigen::Vector2d pixel;
-    if (!camera.project(sensor_from_actor * p_actor, pixel)) continue;
-    if (pixel.x() >= 0.0 && pixel.x() < camera.width && pixel.y() >= 0.0 && pixel.y() < camera.height)
+    if (sensor.camera().project(sensor_from_actor * p_actor, pixel) && is_inside(sensor.camera(), pixel))
       return true;
   }
   return false;

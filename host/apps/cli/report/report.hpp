@@ -23,8 +23,8 @@ struct ReportText {
 
 /// What matters most, pictures and sweeps beside what was recorded, what nobody recorded (a point cloud to
 /// turn, depth, another lane, another lens and LiDAR, an actor gone), metrics, errors over the drive and by
-/// range, curves of the training, all settings, the time of each kernel of a frame, the LiDAR's tiles. Renders what it shows,
-/// on the device that `globals` asks for. Atomic; Error{kInput} when the file can't be written.
+/// range, curves of the training, all settings, the time of each kernel of a frame, the LiDAR's tiles. Renders
+/// what it shows, on the device that `globals` asks for. Atomic; Error{kInput} when the file can't be written.
 void write_report(const std::filesystem::path& file,
                   const ReportText& text,
                   const Globals& globals,
