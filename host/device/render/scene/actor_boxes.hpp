@@ -48,6 +48,14 @@ class ActorBoxes {
   [[nodiscard]] Pose actor_from_sensor(std::size_t actor, double time_fraction) const;
 
  private:
+  [[nodiscard]] Pose scene_from_sensor(double time_fraction) const;
+  [[nodiscard]] Pose actor_from_scene(std::size_t actor, double time_fraction) const;
+  /// Whether the line meets the ball about the actor's box: most lines are far from most boxes.
+  [[nodiscard]] bool is_within_ball(std::size_t actor,
+                                    const Eigen::Vector3d& p_scene,
+                                    const Eigen::Vector3d& direction_scene,
+                                    double time_fraction) const;
+
   std::vector<Eigen::Vector3d> half_;  // m
   View view_;
 };
