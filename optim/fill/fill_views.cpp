@@ -109,14 +109,22 @@ BoxInterval ActorBox::inside(const Eigen::Vector3d& origin, const Eigen::Vector3
   return inside_box(actor_from_world * origin, actor_from_world.rotation * direction, half_m);
 }
 
+bool ActorBox::holds(const Eigen::Vector3d& p_world) const {
+  constexpr double kRounding = 1.0 + 1e-6;  // the ball about the box, which spares most points the turn
+  if ((p_world - center_world).squaredNorm() > kRounding * half_m.squaredNorm()) return false;
+  return ((actor_from_world * p_world).array().abs() <= half_m.array()).all();
+}
+
 std::vector<ActorBox> boxes_in(const Scene& scene, const FillView& view, double margin_m) {
   std::vector<ActorBox> boxes;
   const double middle_s = view.shot.middle_s();
   for (std::size_t a = 0; a < scene.actors.size(); ++a) {
     const Actor& actor = scene.actors[a];
     if (!actor.is_there(middle_s)) continue;
+    const Pose world_from_actor = actor.at(middle_s);
     boxes.push_back({static_cast<std::uint32_t>(a + 1),
-                     actor.at(middle_s).inverse(),
+                     world_from_actor.inverse(),
+                     world_from_actor.translation,
                      0.5 * actor.size_m + Eigen::Vector3d::Constant(margin_m)});
   }
   return boxes;
@@ -190,10 +198,9 @@ ActorsBefore actors_before(SceneOnDevice& scene, const FillView& view) {
       if (rows.actor[ray] != 0 || !(seen.transmittance[ray] < kHalf)) continue;
       Eigen::Vector3d origin, direction;
       view.ray(ray, origin, direction);
-      const auto range_m = static_cast<double>(seen.expected_distance(ray));
+      const Eigen::Vector3d end = origin + static_cast<double>(seen.expected_distance(ray)) * direction;
       for (const ActorBox& box : boxes) {
-        const BoxInterval in = box.inside(origin, direction);
-        if (range_m >= in.first && range_m <= in.last) rows.actor[ray] = box.actor;
+        if (box.holds(end)) rows.actor[ray] = box.actor;
       }
     }
   });

@@ -37,8 +37,9 @@ struct FillView {
 struct ActorBox {
   std::uint32_t actor = 0;  // 1 + its index
   Pose actor_from_world;
-  Eigen::Vector3d half_m;
+  Eigen::Vector3d center_world, half_m;
 
+  [[nodiscard]] bool holds(const Eigen::Vector3d& p_world) const;
   /// What of a ray (world, direction of any length) lies in the box.
   [[nodiscard]] BoxInterval inside(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 };
