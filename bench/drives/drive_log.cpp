@@ -5,15 +5,17 @@
 #include "host/core/base/error.hpp"
 #include "io/import/kitti/kitti.hpp"
 #include "io/synth/street.hpp"
+#include "optim/train/training_options.hpp"
 
 namespace simuli::bench {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// "FOLDER,poses=FILE,labels=FILE" taken apart.
+/// "FOLDER,poses=FILE,labels=FILE,KEY=VALUE" taken apart.
 struct DriveText {
   fs::path folder, poses, labels;
+  std::vector<std::string> settings;  // of its training
 };
 
 DriveText parts_of(const std::string& text) {
@@ -25,14 +27,26 @@ DriveText parts_of(const std::string& text) {
     comma = text.find(',', begin);
     const std::string part = text.substr(begin, comma == std::string::npos ? comma : comma - begin);
     const std::size_t equals = part.find('=');
-    const std::string key = part.substr(0, equals);
-    const bool known = key == "poses" || key == "labels";
-    if (!known || equals == std::string::npos || equals + 1 == part.size()) {
+    const auto refuse = [&](const std::string& why) {
       throw Error(
           ErrorKind::kUsage,
-          fmt::format("--drive {}: found {}, allowed poses=FILE, labels=FILE", parts.folder.string(), part));
+          fmt::format("--drive {}: found {}, allowed poses=FILE, labels=FILE, a setting's KEY=VALUE{}",
+                      parts.folder.string(),
+                      part,
+                      why));
+    };
+    if (equals == std::string::npos || equals + 1 == part.size()) refuse("");
+    const std::string key = part.substr(0, equals);
+    if (key == "poses" || key == "labels") {
+      (key == "poses" ? parts.poses : parts.labels) = part.substr(equals + 1);
+      continue;
     }
-    (key == "poses" ? parts.poses : parts.labels) = part.substr(equals + 1);
+    try {
+      (void)training_options("", {part});
+    } catch (const Error& error) {
+      refuse(fmt::format(" ({})", error.what()));
+    }
+    parts.settings.push_back(part);
   }
   return parts;
 }
@@ -71,10 +85,10 @@ Drive open_drive(const std::string& text, const fs::path& scratch) {
   const DriveText parts = parts_of(text);
   const bool is_log = fs::exists(parts.folder / "log.json");
   if (is_log && parts.poses.empty() && parts.labels.empty()) {
-    return {drive_name(parts.folder), read_log(parts.folder)};
+    return {drive_name(parts.folder), read_log(parts.folder), parts.settings};
   }
   if (!is_log && fs::is_directory(parts.folder / "velodyne_points")) {
-    return {drive_name(parts.folder), imported(parts, scratch)};
+    return {drive_name(parts.folder), imported(parts, scratch), parts.settings};
   }
   throw Error(
       ErrorKind::kUsage,

@@ -12,12 +12,13 @@ namespace simuli::bench {
 struct Drive {
   std::string name;
   Log log;                                 // with the boxes that there are
-  std::vector<std::string> settings = {};  // "key=value" that its own command sets beside the defaults
+  std::vector<std::string> settings = {};  // "key=value" of its own beside the defaults
 };
 
 /// Opens what `text` names: "street" (as `simuli synth street` makes it, at full size), a log folder, or a
 /// folder of KITTI raw; behind the folder "poses=FILE" and "labels=FILE", each after a comma, as `simuli
-/// import kitti` takes them with --poses and --tracking. What is imported or made is written below `scratch`.
+/// import kitti` takes them with --poses and --tracking, and settings of its training as "KEY=VALUE". What is
+/// imported or made is written below `scratch`.
 /// Error{kUsage} for anything else, Error{kInput} as the importers have it.
 [[nodiscard]] Drive open_drive(const std::string& text, const std::filesystem::path& scratch);
 

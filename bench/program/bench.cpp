@@ -205,7 +205,7 @@ void add_drives(const Command& command, BenchCommand& options) {
       "--drive",
       options.drives.drives,
       "the README's table: trains on each drive with defaults alone and compares; log folders, street, "
-      "folders of KITTI raw as DIR[,poses=FILE][,labels=FILE]");
+      "folders of KITTI raw as DIR[,poses=FILE][,labels=FILE]; with settings of its own as ,KEY=VALUE");
   command.option(
       "--lengths", options.drives.lengths, "--drive: iterations, ascending; a training and a row for each");
   command

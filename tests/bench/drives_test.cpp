@@ -60,6 +60,14 @@ TEST_F(DrivesTest, WhatIsNoDriveIsRefusedByName) {
   refused((folder_ / "small.log,labels=x").string(), "found a log, allowed");
   refused("x,pose=y", "--drive x: found pose=y, allowed poses=FILE, labels=FILE");
   refused("x,poses=", "found poses=, allowed");
+  refused("x,iterations=-1", "iterations");
+}
+
+TEST_F(DrivesTest, HasSettingsOfItsOwn) {
+  const std::string log = (folder_ / "small.log").string();
+  EXPECT_EQ(open_drive(log + ",image_scale=0.25,held_out_every=2", folder_).settings,
+            (std::vector<std::string>{"image_scale=0.25", "held_out_every=2"}));
+  EXPECT_TRUE(open_drive(log, folder_).settings.empty());
 }
 
 TEST_F(DrivesTest, ALogWithBoxesIsTrainedOnWithThemAndWithout) {
