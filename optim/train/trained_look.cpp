@@ -12,8 +12,21 @@ namespace {
 
 constexpr Precision kFloat = Precision::kFloat;
 constexpr double kLookFinalShare = 0.1;  // of both rates, at the end
+/// Of the training, from its start, the environment is black where the ground is. In the ground's own colour it
+/// would stand in for it, and the ground stay full of holes. PandaSet, 200 iterations, pixels of the left camera
+/// below the horizon with an opacity under 0.5: 16 % without, 0.3 %; 29.70 and 29.63 dB. Black to the end: 29.7 dB,
+/// but what nobody saw is black, too: 25.8 for 26.3 dB 2 m beside the street's path.
+constexpr double kDarkShare = 0.5;
 /// Weight of squared differences of a grid to the identity: METHOD's table has the paper's.
 constexpr double kGridDrift = 0.001;
+
+/// Down to 5 degrees below the horizon, and no fewer than Adam takes at a time: below them there is ground.
+std::ptrdiff_t sky_texels(const EnvironmentMap& map) {
+  constexpr double kShare = (90.0 + 5.0) / 180.0;
+  auto texels = static_cast<std::ptrdiff_t>(std::ceil(kShare * map.height)) * map.width;
+  while (4 * texels % static_cast<std::ptrdiff_t>(AdamStage::kStep) != 0) texels += map.width;
+  return texels;
+}
 
 ColorGrids starting_grids(const Log& log, const Scene& scene, const GridPlan& plan) {
   std::vector<ColorGrids::Frame> frames;
@@ -69,7 +82,13 @@ TrainedLook::TrainedLook(const Device& device,
     const std::size_t reals = buffers.texture.count();
     environment_.emplace(Environment{std::move(buffers),
                                      RealBuffer(device, "environment gradients", kFloat, reals),
-                                     AdamStage(device, kFloat, reals)});
+                                     AdamStage(device, kFloat, reals),
+                                     {}});
+    if (!log.sweeps.empty()) {
+      const std::vector<float>& texels = scene.environment.texels;
+      environment_->ground.assign(texels.begin() + 3 * sky_texels(scene.environment), texels.end());
+      environment_->show_ground(true);
+    }
   }
   const std::vector<std::size_t> images = HeldOutRule(log, options.frames).training(log.images);
   const GridPlan plan = plan_grids(options_, log, images);
@@ -121,16 +140,27 @@ void TrainedLook::step_grid(std::size_t image, std::uint64_t picture, double pro
   g.adam.run_dense(g.buffers.grid,
                    g.grads,
                    g.of_image[image] * g.buffers.reals(),
+                   g.grads.count(),
                    std::pow(kLookFinalShare, progress) * options_.grid_rate,
                    picture / g.frames.frames.size() + 1);
+}
+
+void TrainedLook::Environment::show_ground(bool is_black) {
+  is_dark = is_black;
+  std::vector<float> texels(ground.size() / 3 * 4, 0.0F);
+  for (std::size_t i = 0; i < ground.size() && !is_black; ++i) texels[i / 3 * 4 + i % 3] = ground[i];
+  buffers.texture.as_float().upload_at(buffers.texture.count() - texels.size(), texels);
 }
 
 void TrainedLook::step_environment(std::uint64_t iteration, double progress) {
   if (!environment_) return;
   Environment& e = *environment_;
+  if (e.is_dark && progress >= kDarkShare) e.show_ground(false);
   const double rate = std::pow(kLookFinalShare, progress) * options_.environment_rate;
   const auto texels = static_cast<std::size_t>(e.buffers.width) * static_cast<std::size_t>(e.buffers.height);
-  e.adam.run_dense(e.buffers.texture, e.grads, 0, rate, iteration + 1, kAdamEpsilon + colour_epsilon(texels));
+  const std::size_t learned = e.buffers.texture.count() - e.ground.size() / 3 * 4;
+  e.adam.run_dense(
+      e.buffers.texture, e.grads, 0, learned, rate, iteration + 1, kAdamEpsilon + colour_epsilon(texels));
 }
 
 TrainedLook::Gradients TrainedLook::gradients() const {
@@ -163,7 +193,11 @@ std::uint32_t TrainedLook::rejected() const {
 }
 
 void TrainedLook::store(Scene& scene) const {
-  if (environment_) scene.environment = environment_->buffers.download();
+  if (environment_) {
+    scene.environment = environment_->buffers.download();
+    const std::vector<float>& ground = environment_->ground;
+    std::copy(ground.begin(), ground.end(), scene.environment.texels.end() - std::ssize(ground));
+  }
   scene.color_grids = {};
   if (!grids_) return;
   scene.color_grids = grids_->frames;

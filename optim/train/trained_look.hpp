@@ -72,6 +72,10 @@ class TrainedLook {
     EnvironmentBuffers buffers;
     RealBuffer grads;
     AdamStage adam;
+    std::vector<float> ground;  // texels [3] of the last rows, which are not learned; empty: all are
+    bool is_dark = false;       // they are black for now
+
+    void show_ground(bool is_black);
   };
   struct Grids {
     ColorGrids frames;                  // sizes and frames; the values stand on the device

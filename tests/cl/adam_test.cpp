@@ -112,7 +112,7 @@ TEST_P(Adam, DenseStepsMoveTheirPartAlone) {
     std::vector<double> g(kPart);
     for (double& value : g) value = static_cast<double>(static_cast<float>(random.normal()));
     grads.assign(std::span<const double>(g));
-    adam.run_dense(params, grads, at, kRate, number);
+    adam.run_dense(params, grads, at, kPart, kRate, number);
     book.step(g, {{kRate}}, kPart);
   };
   step(last, 2 * kPart, 1);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "io/picture/image.hpp"
+#include "optim/base/frames.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
 #include "tests/support/device.hpp"
@@ -79,6 +80,49 @@ TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
   for (std::size_t c = 0; c < 3; ++c)
     EXPECT_NEAR(learned.texels[ahead + c], first_guess.texels[ahead + c], 0.15);
   EXPECT_GT(report.last.psnr_db, 15.0);
+}
+
+TEST_F(TrainerLook, TheEnvironmentKeepsTheGroundsColoursAndIsNoStandInForIt) {
+  // Particles that let most of what is behind them through, and learn nothing else.
+  Scene start = scene_with_environment();
+  start.camera.opacity_logit().setConstant(-1.0F);
+  const auto train = [&](bool has_lidars) {
+    Log log = log_;
+    if (!has_lidars) log.sweeps.clear();
+    TrainingOptions o = options(60);
+    o.train.depth.weight = o.train.beside.weight = 0.0;
+    o.train.lidar_every = 1000;
+    Trainer trainer(test::device(), log, start, o);
+    trainer.run();
+    return trainer.scene();
+  };
+  const Scene with = train(true), without = train(false);
+  const EnvironmentMap& learned = with.environment;
+  const auto ground = static_cast<std::size_t>(3 * learned.width * 9);  // of 16 rows, 11 degrees each
+  const auto differs = [&](const Scene& scene, std::size_t from, std::size_t to) {
+    std::size_t count = 0;
+    for (std::size_t i = from; i < to; ++i) {
+      count += scene.environment.texels[i] != start.environment.texels[i] ? 1U : 0U;
+    }
+    return count;
+  };
+  EXPECT_GT(differs(with, 0, ground), 100U);
+  EXPECT_EQ(differs(with, ground, learned.texels.size()), 0U);
+  EXPECT_GT(differs(without, ground, learned.texels.size()), 30U);
+  // Of the picture's lowest quarter, the road.
+  const auto opacity = [&](const Scene& scene) {
+    SceneOnDevice on_device(test::device(), scene);
+    const ImageFrame& image = log_.images[0];
+    const Camera& camera = log_.camera(image.camera).model;
+    const Frame frame =
+        on_device.render(Sensor(camera, log_.camera(image.camera).rig_from_camera), shot_of(log_, image));
+    const std::vector<float>& through = frame.results().transmittance;
+    const std::size_t from = through.size() / 4 * 3;
+    double sum = 0.0;
+    for (std::size_t i = from; i < through.size(); ++i) sum += 1.0 - static_cast<double>(through[i]);
+    return sum / static_cast<double>(through.size() - from);
+  };
+  EXPECT_GT(opacity(with), opacity(without) + 0.1) << opacity(with) << " and " << opacity(without);
 }
 
 /// Adam takes as long steps by a trace of a gradient as by all of it: texels of which pictures show a

@@ -39,11 +39,12 @@ void AdamStage::run(ParticleBuffers& particles,
 void AdamStage::run_dense(RealBuffer& params,
                           const RealBuffer& grads,
                           std::size_t first,
+                          std::size_t count,
                           double rate,
                           std::uint64_t step,
                           double epsilon) {
-  const std::size_t count = grads.count();
-  if (count % 16 != 0 || first + count > params.count() || params.count() != buffers_.first_moment.count()) {
+  if (count % kStep != 0 || count > grads.count() || first + count > params.count() ||
+      params.count() != buffers_.first_moment.count()) {
     throw Error(ErrorKind::kInternal, "Adam: gradients for other parameters");
   }
   const auto columns = static_cast<std::uint32_t>(count);

@@ -42,10 +42,13 @@ class AdamStage {
            const RealBuffer& grads,
            const Buffer<std::uint32_t>& keys,
            const AdamRows& rows);
-  /// Step number `step` (from 1) with one rate on params[first, first + grads.count()), a multiple of 16.
+  /// Step number `step` (from 1) with one rate on params[first, first + count), a multiple of kStep, by the first
+  /// of `grads`.
+  static constexpr std::size_t kStep = 16;
   void run_dense(RealBuffer& params,
                  const RealBuffer& grads,
                  std::size_t first,
+                 std::size_t count,
                  double rate,
                  std::uint64_t step,
                  double epsilon = kAdamEpsilon);
