@@ -211,6 +211,8 @@ TEST_F(FramesCli, CamerasTellDepthActorsAndNormals) {
   expect_failure("render s.scene --sensor top --outputs depth -o x", kUsage, "allowed actors");
   expect_failure("render s.scene --sensor front --outputs rgb,colour -o x", kUsage, "mean_depth");
   expect_failure("render s.scene --sensor front --outputs depth -o x.mp4", kUsage, "with a folder");
+  expect_failure(
+      "render s.scene --sensor front -o x.avi", kUsage, "found \"x.avi\", allowed a folder, or a file");
 }
 
 /// Numbers of a line of words, from the `first` one on.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fmt/format.h>
 #include <functional>
@@ -118,6 +119,14 @@ OutputKind kind_of(const RenderCommand& command) {
     if (command.files.outputs != FileOptions{}.outputs)
       throw_usage_error("--outputs", "with " + quoted, "with a folder: a video shows rgb");
     return OutputKind::kVideo;
+  }
+  constexpr std::array kOtherFiles{
+      ".avi", ".m4v", ".mpg", ".wmv", ".png", ".jpg", ".jpeg", ".exr", ".bag", ".db3"};
+  const std::string ending = fs::path(command.output).extension().string();
+  if (std::find(kOtherFiles.begin(), kOtherFiles.end(), ending) != kOtherFiles.end()) {
+    refuse("--output",
+           command.output,
+           "a folder, or a file that ends in .mp4, .mkv, .webm, .mov, .gif or .mcap");
   }
   if (command.as_log) return OutputKind::kLog;
   const bool has_many = command.sensors.names.size() != 1;
