@@ -235,9 +235,17 @@ scene.edit(simuli.remove("second"))
 assert np.array_equal(scene.render(lidar, time_s=when).range_m, there)
 scene.edit(simuli.remove(car))
 scene.add_actor(draft, car, "again")
+base = np.eye(4)
+base[:3, 3] = scene.world_from_rig(start_s)[:3, 3] + [6.0, 0.0, 0.0]
+scene.add_object(draft, "statue", base)
+scene.resize_actor("statue", 0.01)  # all of the street
+statue = scene.actors[-1]
+assert statue["kind"] == "object" and np.allclose(np.array(statue["world_from_actor"])[0][:2, 3], base[:2, 3])
+refused(lambda: scene.add_object(draft, "statue", base), "statue")
+refused(lambda: scene.add_object(draft, "other", base.T), "world_from_base")
 edited = os.path.join(work, "edited.scene")
 scene.save(edited)
-assert [actor["name"] for actor in simuli.Scene(edited).actors] == actors[1:] + ["again"]
+assert [actor["name"] for actor in simuli.Scene(edited).actors] == actors[1:] + ["again", "statue"]
 
 # Gradients by ray, against a difference; zeros for what is not seen.
 scene = simuli.Scene(folder)

@@ -454,6 +454,18 @@ void add_scenes(py::module_& m) {
           py::arg("new_name"),
           "An actor of another scene, with its particles and its track.")
       .def(
+          "add_object",
+          [](PyScene& s, const PyScene& object, const std::string& as, const py::object& world_from_base) {
+            const Scene actor = as_actor(*object.scene(), as, pose_of(world_from_base, "world_from_base"));
+            s.change([&](Scene& scene_) { add_actor(scene_, actor, as, as); });
+          },
+          py::arg("object"),
+          py::arg("new_name"),
+          py::arg("world_from_base"),
+          "What stands still in another scene, or all of a file of splats, as an actor. world_from_base: 4 x "
+          "4, "
+          "where the middle of its base stands, for good.")
+      .def(
           "resize_actor",
           [](PyScene& s, const std::string& actor, double factor) {
             s.change([&](Scene& scene_) { resize_actor(scene_, actor, factor); });

@@ -70,4 +70,9 @@ void duplicate_actor(Scene& scene, const std::string& name, const std::string& c
 /// dropped, missing ones are 0.
 void add_actor(Scene& scene, const Scene& other, const std::string& name, const std::string& new_name);
 
+/// What stands still in `object` as the only actor of a scene, for add_actor(). Its box holds all but the
+/// outermost of its particles, of the camera set, or of the LiDAR set where that is empty. It stands on world_from_base, the
+/// middle of its box's base, at all times. Error{kInput} for an object without particles.
+[[nodiscard]] Scene as_actor(const Scene& object, const std::string& name, const Pose& world_from_base);
+
 }  // namespace simuli

@@ -7,6 +7,7 @@
 
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/scene/edit.hpp"
 #include "host/core/scene/particle_order.hpp"
 
 namespace simuli {

@@ -28,9 +28,4 @@ void transform(GaussianSet& set, const Pose& b_from_a, double scale = 1.0);
 /// particles' mean colour is light.
 [[nodiscard]] GaussianSet lidar_of(const GaussianSet& camera);
 
-/// What stands still in `object` as the only actor of a scene, for add_actor(). Its box is extent_of() its
-/// particles, of the camera set, or of the LiDAR set where that is empty. It stands on world_from_base, the
-/// middle of its box's base, at all times. Error{kInput} for an object without particles.
-[[nodiscard]] Scene as_actor(const Scene& object, const std::string& name, const Pose& world_from_base);
-
 }  // namespace simuli

@@ -13,7 +13,6 @@
 #include "host/core/base/split.hpp"
 #include "host/core/record/mirror.hpp"
 #include "host/core/scene/edit.hpp"
-#include "host/core/scene/placement.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/scene/splat_scene.hpp"
 

@@ -22,7 +22,7 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
 #include "host/core/base/stopwatch.hpp"
-#include "host/core/scene/placement.hpp"
+#include "host/core/scene/edit.hpp"
 #include "host/core/sensors/lidar_library.hpp"
 #include "host/device/render/options/quality.hpp"
 #include "io/base/json_reader.hpp"
