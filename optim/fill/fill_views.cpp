@@ -198,9 +198,9 @@ ActorsBefore actors_before(SceneOnDevice& scene, const FillView& view) {
       if (rows.actor[ray] != 0 || !(seen.transmittance[ray] < kHalf)) continue;
       Eigen::Vector3d origin, direction;
       view.ray(ray, origin, direction);
-      const Eigen::Vector3d end = origin + static_cast<double>(seen.expected_distance(ray)) * direction;
+      const Eigen::Vector3d met = origin + static_cast<double>(seen.expected_distance(ray)) * direction;
       for (const ActorBox& box : boxes) {
-        if (box.holds(end)) rows.actor[ray] = box.actor;
+        if (box.holds(met)) rows.actor[ray] = box.actor;
       }
     }
   });
