@@ -204,8 +204,8 @@ void add_drives(const Command& command, BenchCommand& options) {
   command.option(
       "--drive",
       options.drives.drives,
-      "the README's table: trains on each drive with defaults alone and compares; log folders, street, "
-      "folders of KITTI raw as DIR[,poses=FILE][,labels=FILE]; with settings of its own as ,KEY=VALUE");
+      "the README's table: trains on each drive with defaults alone and compares; street, log folders as "
+      "DIR, folders of KITTI raw as DIR[,poses=FILE][,labels=FILE]; settings of a DIR's own as ,KEY=VALUE");
   command.option(
       "--lengths", options.drives.lengths, "--drive: iterations, ascending; a training and a row for each");
   command

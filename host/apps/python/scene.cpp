@@ -462,9 +462,8 @@ void add_scenes(py::module_& m) {
           py::arg("object"),
           py::arg("new_name"),
           py::arg("world_from_base"),
-          "What stands still in another scene, or all of a file of splats, as an actor. world_from_base: 4 x "
-          "4, "
-          "where the middle of its base stands, for good.")
+          "What stands still in another scene, or all of a file of splats, as an actor. world_from_base: "
+          "4 x 4, where the middle of its base stands, for good.")
       .def(
           "resize_actor",
           [](PyScene& s, const std::string& actor, double factor) {

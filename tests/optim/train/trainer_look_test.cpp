@@ -83,7 +83,7 @@ TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
 }
 
 TEST_F(TrainerLook, TheEnvironmentKeepsTheGroundsColoursAndIsNoStandInForIt) {
-  // Particles that let most of what is behind them through, and learn nothing else.
+  // Particles that let most of what is behind them through.
   Scene start = scene_with_environment();
   start.camera.opacity_logit().setConstant(-1.0F);
   const auto train = [&](bool has_lidars) {
