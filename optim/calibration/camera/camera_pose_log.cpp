@@ -126,7 +126,7 @@ void settle(const LogCamera& given, CameraPoseReport& report) {
   if (report.as_given) {
     report.rig_from_camera = given.rig_from_camera;
     report.time_offset_s = 0.0;
-    report.notes.push_back("within two standard deviations of what was given, which is left as it is");
+    report.notes.emplace_back("within two standard deviations of what was given, which is left as it is");
   } else if (report.after_px > report.before_px) {
     refuse(
         fmt::format("depth edges are {:.2f} px from the picture's with what was found, allowed at most the "
