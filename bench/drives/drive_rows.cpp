@@ -116,7 +116,7 @@ std::vector<std::pair<std::string, double>> values_of(const EvalReport& r,
 std::string to_markdown(const std::vector<DriveRow>& rows) {
   const auto line = [&](const std::string& name, const std::function<std::string(const DriveRow&)>& cell_of) {
     std::string text = "| " + name + " |";
-    for (const DriveRow& row : rows) text += " " + cell_of(row) + " |";
+    for (const DriveRow& row : rows) text += fmt::format(" {} |", cell_of(row));
     return text + "\n";
   };
   std::string text = line("held-out frames", [](const DriveRow& row) {
