@@ -8,6 +8,6 @@
 //   const simuli::Sensor lidar = simuli::SensorRig(file).find("hesai_pandar128");
 //   simuli::SceneOnDevice scene(device, std::move(file.scene));
 //   const simuli::Frame frame = scene.render(lidar, simuli::Shot::along(file.world_from_rig, lidar, 1.5));
-//   frame.points();
+//   simuli::point_cloud(frame);  // its returns: x y z, intensity, range, drop, ring, time
 //
 // A context and queue of the caller's, and frames as device memory: <simuli/opencl.h>.
