@@ -130,6 +130,7 @@ TEST_F(CommandTest, HelpIsWrappedAndAnswersToItsName) {
   EXPECT_EQ(help({"help", "draw"}), text);
   EXPECT_EQ(help({"help"}), help({"--help"}));
   EXPECT_EQ(help({"version"}), "program 1.2\n");
+  EXPECT_EQ(help({"-v"}), "program 1.2\n");
 }
 
 TEST_F(CommandTest, RefusalsNameTheOptionAndWhatIsAllowed) {

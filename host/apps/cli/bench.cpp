@@ -11,21 +11,26 @@
 #include "host/apps/cli/base/commands.hpp"
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/core/base/error.hpp"
+#include "io/base/regular_file.hpp"
 
 namespace simuli::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
+std::string bench_program() {
+  std::error_code ignored;  // where there is no /proc there is none
+  return (fs::read_symlink("/proc/self/exe", ignored).parent_path() / "simuli-bench").string();
+}
+
 [[noreturn]] void bench(const std::vector<std::string>& arguments) {
-  const std::string program = (fs::read_symlink("/proc/self/exe").parent_path() / "simuli-bench").string();
+  const std::string program = bench_program();
   std::vector<char*> argv{const_cast<char*>(program.c_str())};  // execv's type; it changes nothing
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   execv(program.c_str(), argv.data());
   const int error = errno;
-  std::error_code ignored;
-  if (!fs::exists(program, ignored)) {
+  if (!is_there(program)) {
     throw_usage_error("bench", fmt::format("no {}", program), "a build with -D SIMULI_BENCH=ON");
   }
   throw Error(ErrorKind::kInput, fmt::format("{}: {}", program, std::strerror(error)));
@@ -34,7 +39,9 @@ namespace fs = std::filesystem;
 }  // namespace
 
 void add_bench(CommandLine& line) {
-  line.add_foreign("bench", "measure: times, and the numbers of the paper's tables", bench);
+  line.add_foreign("bench",
+                   is_there(bench_program()) ? "measure: times, and the numbers of the paper's tables" : "",
+                   bench);
 }
 
 }  // namespace simuli::cli

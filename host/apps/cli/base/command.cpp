@@ -43,9 +43,11 @@ const CLI::App& reached(const CLI::App& app) {
   return met.empty() ? app : reached(*met.front());
 }
 
+bool is_told(const CLI::App* command) { return !command->get_group().empty(); }
+
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+  for (const CLI::App* const command : app.get_subcommands(is_told)) {
     names.push_back(command->get_name());
   }
   return names;
@@ -132,7 +134,7 @@ CommandText text_of(const CLI::App& app, const OptionMarks& marks) {
   for (const CLI::Option* const option : app.get_options()) {
     text.options.push_back(text_of(*option, marks));
   }
-  for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
+  for (const CLI::App* const command : app.get_subcommands(is_told)) {
     text.commands.push_back(text_of(*command, marks));
   }
   return text;
@@ -335,7 +337,7 @@ struct CommandLine::Impl {
 
 CommandLine::CommandLine(const std::string& name, const std::string& about, std::function<std::string()> ask)
     : impl_(std::make_unique<Impl>(name, about)) {
-  impl_->app.set_version_flag("--version", std::move(ask));
+  impl_->app.set_version_flag("-v,--version", std::move(ask));
   impl_->app.fallthrough();  // global options may stand behind the command's name
 }
 
@@ -346,7 +348,8 @@ Command CommandLine::root() { return Command(&impl_->app, &impl_->marks); }
 CommandText CommandLine::text() const { return text_of(impl_->app, impl_->marks); }
 
 void CommandLine::add_foreign(const std::string& name, const std::string& help, Forward run) {
-  impl_->app.add_subcommand(name, help);
+  CLI::App* const command = impl_->app.add_subcommand(name, help);
+  if (help.empty()) command->group("");
   impl_->foreign.emplace(name, std::move(run));
 }
 

@@ -126,7 +126,8 @@ class CommandLine {
   [[nodiscard]] Command root();
   /// All arguments but its name, in their order.
   using Forward = std::function<void(const std::vector<std::string>& arguments)>;
-  /// A command that reads its arguments itself: none are read here once it is named.
+  /// A command that reads its arguments itself: none are read here once it is named. Without a help it is told
+  /// nowhere.
   void add_foreign(const std::string& name, const std::string& help, Forward run);
 
   /// Runs the command that is named; false when only help, the version or an answer was asked for, and
