@@ -132,7 +132,7 @@ TEST_F(CApi, NamesOfSensorsOutliveThoseThatAreAdded) {
   const char* const name = lidar.name;  // so short that it may lie inside of its string
   const simuli_pose mount{{0.0, 0.0, 0.2}, {2.0, 0.0, 0.0, 0.0}};
   for (int i = 0; i < 100; ++i) {
-    const std::string as = "l" + std::to_string(i);
+    const std::string as = std::string("l") + std::to_string(i);
     ASSERT_EQ(simuli_scene_add_sensor(scene_, "hesai_xt32", as.c_str(), &mount), SIMULI_OK) << simuli_error();
   }
   EXPECT_STREQ(name, "front");
@@ -253,6 +253,57 @@ TEST_F(CApi, RendersTheRaysThatAreAskedFor) {
     --request.ray_count;
     expect_error(simuli_render(scene_, name, &at, &request, &frame), SIMULI_USAGE, "ray_count: found");
   }
+}
+
+TEST_F(CApi, TellsWhoIsSeenAndWhereWhatIsSeenGoes) {
+  simuli_request request{};
+  request.with_actors = 1;
+  const auto labelled = [&](double time_s) {
+    const simuli_shot at = shot(scene_, "front", time_s);
+    simuli_frame* frame = nullptr;
+    EXPECT_EQ(simuli_render(scene_, "front", &at, &request, &frame), SIMULI_OK) << simuli_error();
+    frames_.push_back(frame);
+    return frame;
+  };
+  const simuli_frame* now = labelled(0.0);
+  const std::vector<float> who = values(now, SIMULI_ACTORS, kPixels);
+  const auto car = static_cast<std::size_t>(std::count(who.begin(), who.end(), 1.0F));
+  EXPECT_GT(car, 0U);
+  simuli_label label{};
+  std::size_t count = 0;
+  ASSERT_EQ(simuli_frame_labels(scene_, now, &label, 1, &count), SIMULI_OK) << simuli_error();
+  ASSERT_EQ(count, 1U);
+  EXPECT_EQ(label.rays, car);
+  EXPECT_EQ(label.size_m[0], 4.0);
+  EXPECT_NEAR(label.world_from_actor.position_m[0], 8.0, 1e-9);
+  EXPECT_NEAR(label.sensor_from_actor.position_m[2], 8.0, 1e-9);  // ahead
+  EXPECT_GE(label.occlusion, 0.0);
+  EXPECT_LT(label.truncation, 1.0);
+  EXPECT_LE(label.projected_px[0], label.visible_px[0]);
+  EXPECT_LT(label.visible_px[0], label.visible_px[2]);
+  // The rig comes nearer: the car moves away from the picture's middle.
+  const simuli_frame* later = labelled(0.5);
+  std::vector<float> pixels(3 * kPixels), points(3 * kPixels);
+  ASSERT_EQ(simuli_frame_flow(scene_, now, later, pixels.data(), points.data(), pixels.size()), SIMULI_OK)
+      << simuli_error();
+  const auto first = static_cast<std::size_t>(std::find(who.begin(), who.end(), 1.0F) - who.begin());
+  EXPECT_EQ(pixels[3 * first + 2], 1.0F);
+  EXPECT_LT(pixels[3 * first], 0.0F);
+  EXPECT_NEAR(points[3 * first + 2], -0.5F, 1e-4F);
+  // Of the scene as it is now.
+  simuli_edit move{SIMULI_MOVE, "car", {1.0, 0.0, 0.0}, 1.0, 0.0, nullptr, nullptr, 0, nullptr, 0.0};
+  ASSERT_EQ(simuli_scene_edit(scene_, &move), SIMULI_OK) << simuli_error();
+  expect_error(simuli_frame_labels(scene_, now, &label, 1, &count), SIMULI_USAGE, "another scene");
+  ASSERT_EQ(simuli_frame_labels(scene_, labelled(0.0), &label, 1, &count), SIMULI_OK) << simuli_error();
+  EXPECT_NEAR(label.world_from_actor.position_m[0], 9.0, 1e-9);
+  expect_error(simuli_frame_labels(scene_, labelled(0.0), &label, 0, &count), SIMULI_USAGE, "room: found 0");
+  const simuli_frame* plain = render(scene_, "front", shot(scene_, "front"));
+  expect_error(simuli_frame_labels(scene_, plain, &label, 1, &count), SIMULI_USAGE, "with_actors");
+  move.kind = SIMULI_REMOVE;
+  request.edits = &move;
+  request.edit_count = 1;
+  ASSERT_EQ(simuli_frame_labels(scene_, labelled(0.0), &label, 1, &count), SIMULI_OK) << simuli_error();
+  EXPECT_EQ(count, 0U);
 }
 
 TEST_F(CApi, UngradedPicturesHaveGradients) {

@@ -1,5 +1,8 @@
 // Frames in C.
+#include <limits>
+
 #include "host/apps/api/c_handles.hpp"
+#include "host/device/render/outputs/flow.hpp"
 #include "host/device/render/scene/frame_state.hpp"
 
 using namespace simuli;
@@ -29,6 +32,7 @@ FrameRequest request_of(const simuli_request* request, std::size_t rays) {
   FrameRequest out{.camera_median = true};
   if (request == nullptr) return out;
   out.graded = request->is_ungraded == 0;
+  out.actors = request->with_actors != 0;
   if (request->rays == nullptr) return out;
   need_length("ray_count", request->ray_count, rays);
   for (std::size_t i = 0; i < rays; ++i) out.rays.push_back(request->rays[i] != 0);
@@ -45,6 +49,10 @@ std::vector<float> values_of(const Frame& frame, simuli_quantity quantity) {
       return frame.lidar().intensity;
     case SIMULI_DROP:
       return frame.lidar().drop;
+    case SIMULI_ACTORS: {
+      const std::vector<std::uint32_t> actors = frame.actors();
+      return {actors.begin(), actors.end()};
+    }
     default:
       break;
   }
@@ -69,7 +77,29 @@ std::vector<float> values_of(const Frame& frame, simuli_quantity quantity) {
               fmt::format("quantity: found {}, allowed {} to {}",
                           static_cast<int>(quantity),
                           static_cast<int>(SIMULI_RGB),
-                          static_cast<int>(SIMULI_DISTANCE_SUM)));
+                          static_cast<int>(SIMULI_ACTORS)));
+}
+
+simuli_label label_of(const ActorLabel& label) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  simuli_label out{label.actor,
+                   label.time_s,
+                   {label.size_m.x(), label.size_m.y(), label.size_m.z()},
+                   to_c(label.world_from_actor),
+                   to_c(label.rig_from_actor),
+                   to_c(label.sensor_from_actor),
+                   label.rays,
+                   label.occlusion.value_or(kNone),
+                   label.truncation,
+                   {},
+                   {}};
+  const auto put = [](const PixelBox& box, double* px) {
+    px[0] = box.left, px[1] = box.top, px[2] = box.right, px[3] = box.bottom;
+  };
+  constexpr PixelBox kNowhere{kNone, kNone, kNone, kNone};
+  put(label.projected_px.value_or(kNowhere), out.projected_px);
+  put(label.visible_px.value_or(kNowhere), out.visible_px);
+  return out;
 }
 
 }  // namespace
@@ -140,6 +170,38 @@ simuli_status simuli_frame_support(simuli_scene* scene,
     if (!of.support) of.support.emplace(of.on_device.device(), of.file.support);
     const std::vector<float> found = of.support->of(asked, of.on_device.scene(), of.copies);
     std::copy(found.begin(), found.end(), &need(values, "values"));
+  });
+}
+
+simuli_status simuli_frame_labels(
+    simuli_scene* scene, const simuli_frame* frame, simuli_label* labels, size_t room, size_t* count) {
+  return guarded([&] {
+    simuli_scene& of = need(scene, "scene");
+    const Scene& shown = of.on_device.scene();
+    const Frame& asked = need(frame, "frame").frame;
+    if (room < shown.actors.size()) {
+      throw Error(ErrorKind::kUsage,
+                  fmt::format("room: found {}, allowed at least {}", room, shown.actors.size()));
+    }
+    if (!of.labels) of.labels.emplace(of.on_device.device(), borrowed(shown), of.options);
+    const std::vector<ActorLabel> found = of.labels->of(asked);
+    if (!found.empty()) std::transform(found.begin(), found.end(), &need(labels, "labels"), label_of);
+    need(count, "count") = found.size();
+  });
+}
+
+simuli_status simuli_frame_flow(const simuli_scene* scene,
+                                const simuli_frame* frame,
+                                const simuli_frame* to,
+                                float* pixels,
+                                float* points,
+                                size_t count) {
+  return guarded([&] {
+    const Frame& asked = need(frame, "frame").frame;
+    const Flow flow = flow_of(asked, need(scene, "scene").on_device.scene(), need(to, "to").frame.shot());
+    need_length("count", count, flow.pixels.data.size());
+    if (pixels != nullptr) std::copy(flow.pixels.data.begin(), flow.pixels.data.end(), pixels);
+    if (points != nullptr) std::copy(flow.points.data.begin(), flow.points.data.end(), points);
   });
 }
 

@@ -12,6 +12,7 @@
 #include "host/apps/api/simuli.h"
 #include "host/core/base/error.hpp"
 #include "host/core/base/one_line.hpp"
+#include "host/device/render/outputs/labels.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
 #include "host/device/support/support.hpp"
 #include "io/scene/sensor_rig.hpp"
@@ -28,6 +29,7 @@ struct simuli_scene {
   simuli::SceneOnDevice on_device;
   simuli::ActorCopies copies;                      // of actors that it was opened with
   std::optional<simuli::SupportOnDevice> support;  // when first asked for
+  std::optional<simuli::LabelsOnDevice> labels;    // the same, of the scene and options as they are now
 };
 
 struct simuli_frame {

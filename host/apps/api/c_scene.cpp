@@ -25,6 +25,7 @@ template <class F>
 void change(simuli_scene& scene, F&& f) {
   Scene changed = scene.on_device.scene();
   f(changed);
+  scene.labels.reset();
   scene.on_device.set_scene(std::move(changed));
 }
 
@@ -45,8 +46,8 @@ simuli_status simuli_scene_open(const simuli_device* device, const char* folder,
     SceneFile file = read_scene(&need(folder, "folder"));
     SensorRig rig(file);
     SceneOnDevice on_device(on, std::exchange(file.scene, {}));
-    out = new simuli_scene{
-        std::move(rig), std::move(file), RenderOptions{}, std::move(on_device), {}, std::nullopt};
+    out =
+        new simuli_scene{std::move(rig), std::move(file), RenderOptions{}, std::move(on_device), {}, {}, {}};
   });
 }
 
@@ -63,6 +64,7 @@ void simuli_scene_close(simuli_scene* scene) { delete scene; }
 simuli_status simuli_scene_set_options(simuli_scene* scene, const simuli_options* options) {
   return guarded([&] {
     need(scene, "scene").options = render_options(capi::quality_of(options), capi::settings_of(options));
+    scene->labels.reset();
   });
 }
 

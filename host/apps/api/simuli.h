@@ -233,6 +233,7 @@ typedef struct simuli_request {
                                 LiDAR's return nothing. NULL: all */
   size_t ray_count;          /* of `rays` */
   int is_ungraded;           /* pictures not through the scene's colour grids: those have gradients */
+  int with_actors;           /* for SIMULI_ACTORS, labels and flow; costs a second rendering */
 } simuli_request;
 
 /* Queues a frame and returns; any number may be on their way at once. request may be NULL. */
@@ -257,7 +258,8 @@ typedef enum simuli_quantity {
   SIMULI_INTENSITY = 6,     /* of LiDARs, [0, 1] */
   SIMULI_DROP = 7,          /* of LiDARs: probability that the ray does not return */
   SIMULI_TRANSMITTANCE = 8, /* these two are what gradients are taken of */
-  SIMULI_DISTANCE_SUM = 9   /* sum of w tau, m */
+  SIMULI_DISTANCE_SUM = 9,  /* sum of w tau, m */
+  SIMULI_ACTORS = 10        /* 1 + index of the actor whose body is there; 0: none */
 } simuli_quantity;
 /* [rows][columns], or [rows][columns][3]; count is the length of `values`: SIMULI_USAGE when that is another one.
  * Waits. */
@@ -272,6 +274,32 @@ simuli_status simuli_frame_points(const simuli_frame* frame, double* xyz, size_t
  * of pixels alike that are within 0.05 of the truth, of LiDAR rays alike that return within 2 cm of it or rightly don't.
  * SIMULI_USAGE when the scene keeps nothing to tell it from: trained before there was support, or not at all. Waits. */
 simuli_status simuli_frame_support(simuli_scene* scene, const simuli_frame* frame, float* values, size_t count);
+
+/* What is true of an actor that is there during a frame: docs/RENDERS.md, "Labels". */
+typedef struct simuli_label {
+  size_t actor;     /* its index */
+  double time_s;    /* when the sensor looked at the middle of its box: poses are of then */
+  double size_m[3]; /* length, width, height */
+  simuli_pose world_from_actor, rig_from_actor, sensor_from_actor;
+  size_t rays;            /* pixels, or returns, of its body */
+  double occlusion;       /* NaN: it would have no ray even if it were alone */
+  double truncation;      /* these are of cameras */
+  double projected_px[4]; /* left, top, right, bottom around the box within the picture; NaN: not in it */
+  double visible_px[4];   /* around the body's pixels; NaN: there are none */
+} simuli_label;
+/* Of a frame of the scene that was asked for with_actors. room: of `labels`, at least simuli_scene_actor_count();
+ * count: how many are there. Waits. */
+simuli_status simuli_frame_labels(
+    simuli_scene* scene, const simuli_frame* frame, simuli_label* labels, size_t room, size_t* count);
+/* [rows][columns][3] each, either may be NULL: px to the right and down to where the camera sees the same point in the
+ * frame `to`, and 1 (zeros: nowhere); m by which the point moves in the camera's axes. Of a camera's frame of the scene
+ * that was asked for with_actors. Waits. */
+simuli_status simuli_frame_flow(const simuli_scene* scene,
+                                const simuli_frame* frame,
+                                const simuli_frame* to,
+                                float* pixels,
+                                float* points,
+                                size_t count);
 
 /* ---- Particles and gradients ---- */
 

@@ -94,7 +94,8 @@ std::vector<std::uint32_t> Frame::owners() const {
   const State& s = *state_;
   if (!s.request.actors) {
     throw Error(ErrorKind::kUsage,
-                "actors: found a frame without them, allowed one rendered with FrameRequest::actors");
+                "actors: found a frame without them, allowed one that was asked for them: C++ "
+                "FrameRequest::actors, C with_actors, Python actors=True");
   }
   if (!s.of_actors) return std::vector<std::uint32_t>(s.rays.grid().rays, 0);
   const std::vector<float>& ids = s.of_actors->results().median;
