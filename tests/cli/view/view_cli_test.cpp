@@ -64,6 +64,22 @@ TEST_F(ViewCli, AnswersWithPicturesAndSweeps) {
   EXPECT_LE(last_time, 1.0F);
   EXPECT_GT(on_car, 10.0F);  // of the car, the first actor
   EXPECT_EQ(sweep.info.at("actors").at(0).at("is_there"), true);
+  // Over the picture those returns that it shows, and where.
+  json over = view_of("front");
+  over["points"] = "top";
+  const Reply with = post("/api/picture", over);
+  ASSERT_EQ(with.status, 200) << with.body;
+  const auto seen = with.info.at("points").get<std::size_t>();
+  ASSERT_GT(seen, 100U);
+  EXPECT_LT(seen, points.size() / 7);
+  EXPECT_EQ(with.payload.substr(seen * 36U), picture.payload);
+  const std::size_t found = sweep.payload.find(with.payload.substr(0, 28));
+  EXPECT_EQ(found % 28U, 0U);
+  float at[2];
+  std::memcpy(at, with.payload.data() + 28, sizeof(at));
+  EXPECT_TRUE(at[0] >= 0.0F && at[0] <= 1.0F && at[1] >= 0.0F && at[1] <= 1.0F) << at[0] << ' ' << at[1];
+  over["points"] = "front";
+  EXPECT_EQ(post("/api/picture", over).status, 400);
   // Another camera and another LiDAR in the same place.
   EXPECT_EQ(post("/api/picture", view_of("pandaset_front_camera")).status, 200);
   EXPECT_EQ(post("/api/sweep", view_of("velodyne_vlp16")).status, 200);

@@ -269,7 +269,13 @@ TEST_F(ViewPage, PointsToWhatIsThere) {
                  "points.orbit.target[2] !== was.target[2]"),
             true)
       << tell("[points.orbit, was]");
+  // The returns lie over the picture, too.
+  EXPECT_TRUE(changes("picture-over", [&] { act("document.querySelector('[data-state=over]').click()"); }));
+  EXPECT_TRUE(browser_->wait_for("seen.points.length > 900"));
   // Each view has its command; it is gone when another view is shown.
+  act("$('lidar-command').click()");
+  EXPECT_TRUE(browser_->wait_for("$('command-box').open && $('command').value.includes('view_free.json')"));
+  act("$('command-box').close()");
   act("tellCommand(pictureRequest())");
   EXPECT_TRUE(browser_->wait_for("$('command-box').open && $('command').value.startsWith('simuli render')"));
   act("$('layer').value = 'depth'; $('layer').onchange()");

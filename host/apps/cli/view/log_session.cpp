@@ -14,13 +14,11 @@
 #include "io/log/frame_files.hpp"
 #include "io/picture/image.hpp"
 #include "optim/base/frames.hpp"
-#include "optim/init/initialize_views.hpp"
 
 namespace simuli::cli {
 namespace {
 
 constexpr std::size_t kKeptBytes = std::size_t{512} << 20U;  // of frames, so that playing again is fast
-constexpr std::size_t kSeenValues = kPointValues + 2;
 
 void need_recorded(const ViewRequest& request) {
   if (request.is_as_recorded()) return;
@@ -96,23 +94,12 @@ LogSession::Points LogSession::points_of_sweep(const SweepFrame& frame, std::siz
   return out;
 }
 
-std::vector<float> LogSession::seen_points(const ImageFrame& image,
+std::vector<float> LogSession::points_over(const ImageFrame& image,
                                            const Camera& camera,
                                            const std::string& lidar) const {
-  const Shot shot = in_scene(shot_of(log_, image));
-  const ImageView view(camera, shot.world_from_sensor_start, shot.world_from_sensor_end);
   const double middle_s = 0.5 * (image.time_start_s + image.time_end_s);
-  const std::vector<float> all = points_of_sweep(sweep_at(lidar, middle_s), 1).values;
-  std::vector<float> out;
-  for (auto p = all.begin(); p != all.end(); p += kPointValues) {
-    Eigen::Vector2d pixel;
-    double range_m = 0.0;
-    if (!view.project(Eigen::Vector3d(p[0], p[1], p[2]), pixel, range_m)) continue;
-    out.insert(out.end(), p, p + kPointValues);
-    out.push_back(static_cast<float>(pixel.x() / camera.width));
-    out.push_back(static_cast<float>(pixel.y() / camera.height));
-  }
-  return out;
+  return seen_points(
+      camera, in_scene(shot_of(log_, image)), points_of_sweep(sweep_at(lidar, middle_s), 1).values);
 }
 
 std::string LogSession::picture(const ViewRequest& request) {
@@ -126,11 +113,11 @@ std::string LogSession::picture(const ViewRequest& request) {
   for (float& value : image.data) value = std::max(value, 0.0F);  // what a mask hides is black
   const Shot shot = shot_of(log_, frame);
   const std::vector<float> points =
-      request.points.empty() ? std::vector<float>() : seen_points(frame, camera, request.points);
+      request.points.empty() ? std::vector<float>() : points_over(frame, camera, request.points);
   const double reading_ms = reading.ms();
   const Stopwatch encode;
-  std::string bytes(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(float));
-  bytes += encode_image(image, request.lossless ? ImageCode::kPng : ImageCode::kJpeg, kJpegQuality);
+  const std::string bytes = with_points(
+      points, encode_image(image, request.lossless ? ImageCode::kPng : ImageCode::kJpeg, kJpegQuality));
   const Json boxes =
       json_of_outlines(camera, in_scene(shot), log_.actors, actors_during(log_.actors, shot, origin_));
   return reply({{"render_ms", reading_ms},
@@ -188,7 +175,7 @@ std::string LogSession::probe(const ViewRequest& request) {
               {"point", nullptr},
               {"actor", nullptr}};
   if (request.points.empty()) return out.dump();
-  const std::vector<float> points = seen_points(frame, camera, request.points);
+  const std::vector<float> points = points_over(frame, camera, request.points);
   const Eigen::Vector3d eye = in_scene(shot_of(log_, frame)).pose_at(0.5).translation;
   double least = kNear;
   for (auto p = points.begin(); p != points.end(); p += kSeenValues) {

@@ -17,9 +17,6 @@ class LogSession : public ViewAnswers {
 
   [[nodiscard]] std::string describe() const override;
   [[nodiscard]] std::string progress() const override;
-  /// With request.points its info has "points", how many returns of that LiDAR's nearest sweep are in the
-  /// picture, and the bytes begin with them: as in sweep(), then x and y in parts of the picture's sides. A
-  /// return lies where it lay when it was measured, and is seen when the shutter reaches it.
   [[nodiscard]] std::string picture(const ViewRequest& request) override;
   /// Of several sweeps, spread evenly over the drive, kMostReturns at most, each so many-th ("every").
   [[nodiscard]] std::string sweep(const ViewRequest& request) override;
@@ -37,8 +34,7 @@ class LogSession : public ViewAnswers {
   [[nodiscard]] Points points_of_sweep(const SweepFrame& frame, std::size_t every) const;
   [[nodiscard]] const SweepFrame& sweep_at(const std::string& lidar, double time_s) const;
   [[nodiscard]] const ImageFrame& image_at(const std::string& camera, double time_s) const;
-  /// As picture() has them: kPointValues, x, y of each.
-  [[nodiscard]] std::vector<float> seen_points(const ImageFrame& image,
+  [[nodiscard]] std::vector<float> points_over(const ImageFrame& image,
                                                const Camera& camera,
                                                const std::string& lidar) const;
   [[nodiscard]] Shot in_scene(const Shot& shot) const;

@@ -21,7 +21,8 @@ class ViewAnswers {
   /// Replies of two parts: a little-endian u32, that many bytes of JSON (times, poses, boxes), zeros up to the
   /// next multiple of 4, and a JPEG or PNG; or returns as float x, y, z (scene frame, m), intensity, ring
   /// (row of the sensor, from the top; 0 of a ray list), time (share of the sweep), actor (0 none, else one
-  /// more than its number in describe()).
+  /// more than its number in describe()). With request.points a picture's info has "points", how many returns of
+  /// that LiDAR are in it, and its bytes begin with them: these values, then x and y in parts of its sides.
   [[nodiscard]] virtual std::string picture(const ViewRequest& request) = 0;
   [[nodiscard]] virtual std::string sweep(const ViewRequest& request) = 0;
   /// JSON: what is at request.pixel; null for what there is not.

@@ -1,12 +1,15 @@
 #include "host/apps/cli/view/view_command.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "host/apps/cli/base/quoted.hpp"
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/scene/mounting.hpp"
+#include "io/base/json_reader.hpp"
+#include "io/log/sensor_file.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -41,16 +44,19 @@ std::string command_of(const ViewRequest& request,
                        const SensorPlace& place,
                        const ViewSource& source,
                        const std::vector<std::string>& added) {
-  if (request.height) {
-    throw_usage_error("command", "the free camera of the 3D view", "a camera's or a LiDAR's own view");
-  }
   const bool is_camera = sensor.is_camera();
   std::string line = "simuli render";
+  std::string which = request.sensor;
+  if (request.height) {  // no camera of the rig: its file is written first
+    which = "view_" + sensor.name() + ".json";
+    const std::string file = Json::parse(text_of(sensor_file_of(sensor))).dump();
+    line = fmt::format("printf %s {} >{} && {}", shell_word(file), which, line);
+  }
   const auto add = [&line](const std::string& option, const std::string& value) {
     line += ' ' + option + ' ' + shell_word(value);
   };
   line += ' ' + shell_word(source.scene);
-  add("--sensor", request.sensor);
+  add("--sensor", which);
   add("--times", fmt::format("{}:{}:1", time_s, time_s));
   if (is_camera) {
     const double scale = static_cast<double>(request.width) / static_cast<double>(sensor.columns());

@@ -23,9 +23,8 @@ struct SensorPlace {
 };
 
 /// `simuli render ...` of the request's picture or sweep: `sensor` as the scene has it, of which the picture
-/// is a size, in that place at `time_s`. `added`: options of the actors that were added since. Error{kUsage}
-/// for the free pinhole camera, which no command has, and edits of actors which the viewer's own command line
-/// edits, too.
+/// is a size, in that place at `time_s`; before it what writes the file of a free camera. `added`: options of the
+/// actors that were added since. Error{kUsage} for edits of actors which the viewer's own command line edits, too.
 [[nodiscard]] std::string command_of(const ViewRequest& request,
                                      double time_s,
                                      const Sensor& sensor,

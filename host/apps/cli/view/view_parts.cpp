@@ -163,4 +163,22 @@ void append_points(const LidarModel& lidar,
   }
 }
 
+std::vector<float> seen_points(const Camera& camera, const Shot& in_scene, const std::vector<float>& points) {
+  const ImageView view(camera, in_scene.world_from_sensor_start, in_scene.world_from_sensor_end);
+  std::vector<float> out;
+  for (auto p = points.begin(); p != points.end(); p += kPointValues) {
+    Eigen::Vector2d pixel;
+    double range_m = 0.0;
+    if (!view.project(Eigen::Vector3d(p[0], p[1], p[2]), pixel, range_m)) continue;
+    out.insert(out.end(), p, p + kPointValues);
+    out.push_back(static_cast<float>(pixel.x() / camera.width));
+    out.push_back(static_cast<float>(pixel.y() / camera.height));
+  }
+  return out;
+}
+
+std::string with_points(const std::vector<float>& points, const std::string& picture) {
+  return std::string(reinterpret_cast<const char*>(points.data()), points.size() * sizeof(float)) + picture;
+}
+
 }  // namespace simuli::cli

@@ -53,4 +53,13 @@ void append_points(const LidarModel& lidar,
                    std::size_t every,
                    std::vector<float>& points);
 
+/// Values of one return in ViewAnswers::picture(): x and y in parts of the picture's sides behind those above.
+inline constexpr std::size_t kSeenValues = kPointValues + 2;
+/// Those of the points that the camera's shutter sees where they lay when they were measured.
+[[nodiscard]] std::vector<float> seen_points(const Camera& camera,
+                                             const Shot& in_scene,
+                                             const std::vector<float>& points);
+/// `points`, then the picture's bytes.
+[[nodiscard]] std::string with_points(const std::vector<float>& points, const std::string& picture);
+
 }  // namespace simuli::cli

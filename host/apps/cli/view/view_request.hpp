@@ -38,7 +38,7 @@ struct ViewRequest {
   /// and below its axis.
   std::optional<int> height;
   std::optional<Eigen::Vector2d> pixel;            // to probe, in parts of the picture's sides
-  std::string points;                              // of a log: the LiDAR whose returns are drawn; empty: none
+  std::string points;                              // over a picture: the LiDAR whose returns; empty: none
   int sweeps = 1;                                  // of a log: as many, spread along the path
   std::vector<std::string> removed;                // actors
   std::map<std::string, Eigen::Vector3d> moved;    // actors, (forward, left, up) m in their own frame

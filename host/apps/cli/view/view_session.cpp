@@ -190,7 +190,7 @@ std::string ViewSession::command(const ViewRequest& request) const {
   const std::lock_guard lock(mutex_);
   const Trajectory& path = file_.world_from_rig;
   const double time_s = std::clamp(request.time_s, path.start_s(), path.end_s());
-  const Sensor sensor = rig_.find(request.sensor, Pose{});
+  const Sensor sensor = request.height ? still_of(request).first : rig_.find(request.sensor, Pose{});
   const bool is_camera = sensor.is_camera();
   const Pose rig_from_moved{Eigen::Quaterniond::Identity(), request.rig_shift_m};
   SensorPlace place{rig_from_moved * sensor.rig_from_sensor()};
@@ -276,14 +276,22 @@ std::string ViewSession::picture(const ViewRequest& request) {
                                       shot.relative_to(scene.origin),
                                       scene.actors,
                                       actors_during(scene.actors, shot, scene.origin));
+  std::vector<float> points;
+  if (!request.points.empty()) {
+    ViewRequest of_lidar = request;
+    of_lidar.sensor = request.points;
+    points = seen_points(camera.camera(), shot.relative_to(scene.origin), swept(of_lidar).points);
+  }
   lock.unlock();  // others may render meanwhile
   const Stopwatch encode;
   const ImageCode code = request.lossless ? ImageCode::kPng : ImageCode::kJpeg;
-  const std::string bytes = encode_image(shown.image, code, kJpegQuality);
+  const std::string bytes = with_points(points, encode_image(shown.image, code, kJpegQuality));
   return reply({{"render_ms", render_ms},
                 {"encode_ms", encode.ms()},
                 {"time_s", shot.time_start_s},
                 {"boxes", boxes},
+                {"scene_from_camera", json_of(shot.relative_to(scene.origin).pose_at(0.5))},
+                {"points", points.size() / kSeenValues},
                 {"near_m", shown.near_m},
                 {"far_m", shown.far_m},
                 {"unseen_share", shown.unseen_share},
@@ -333,9 +341,7 @@ std::string ViewSession::probe(const ViewRequest& request) {
   return out.dump();
 }
 
-std::string ViewSession::sweep(const ViewRequest& request) {
-  touch();
-  const std::lock_guard lock(mutex_);
+ViewSession::Swept ViewSession::swept(const ViewRequest& request) {
   const Scene& scene = scene_.scene();
   if (scene.lidar.size() == 0) throw_input_error("scene", "LiDAR set", "no particles", "at least one");
   const FrameRequest how{.options = options_named(request.quality)};
@@ -344,18 +350,23 @@ std::string ViewSession::sweep(const ViewRequest& request) {
   const Stopwatch render;
   const Frame rendered = scene_.render(lidar, shot, how);
   const LidarFrame frame = rendered.lidar();
-  const double render_ms = render.ms();
-  const Shot in_scene = shot.relative_to(scene.origin);
-  const std::vector<ActorView> views = actors_during(scene.actors, shot, scene.origin);
-  std::vector<float> points;
-  append_points(lidar.lidar(), frame, in_scene, scene.actors, views, 1, points);
-  return reply({{"render_ms", render_ms},
-                {"rays", frame.range.size()},
-                {"time_s", shot.time_start_s},
-                {"scene_from_sensor", json_of(in_scene.world_from_sensor_start)},
-                {"actors", json_of_boxes(scene.actors, views)}},
-               points.data(),
-               points.size() * sizeof(float));
+  Swept out{shot.relative_to(scene.origin), {}, {}, frame.range.size(), render.ms()};
+  out.actors = actors_during(scene.actors, shot, scene.origin);
+  append_points(lidar.lidar(), frame, out.in_scene, scene.actors, out.actors, 1, out.points);
+  return out;
+}
+
+std::string ViewSession::sweep(const ViewRequest& request) {
+  touch();
+  const std::lock_guard lock(mutex_);
+  const Swept sweep = swept(request);
+  return reply({{"render_ms", sweep.render_ms},
+                {"rays", sweep.rays},
+                {"time_s", sweep.in_scene.time_start_s},
+                {"scene_from_sensor", json_of(sweep.in_scene.world_from_sensor_start)},
+                {"actors", json_of_boxes(scene_.scene().actors, sweep.actors)}},
+               sweep.points.data(),
+               sweep.points.size() * sizeof(float));
 }
 
 }  // namespace simuli::cli

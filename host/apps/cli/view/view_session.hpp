@@ -17,6 +17,7 @@
 #include "host/apps/cli/view/view_command.hpp"
 #include "host/apps/cli/view/view_request.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
+#include "host/device/render/scene/view.hpp"
 #include "host/device/support/support.hpp"
 #include "io/scene/sensor_rig.hpp"
 
@@ -65,6 +66,15 @@ class ViewSession : public ViewAnswers {
   [[nodiscard]] Shot shot_of(const ViewRequest& request, const Sensor& sensor) const;
   /// The camera of a picture, and its shot. Error{kUsage} for pictures that are too large.
   [[nodiscard]] std::pair<Sensor, Shot> still_of(const ViewRequest& request) const;
+  /// A sweep, in the scene's frame.
+  struct Swept {
+    Shot in_scene;
+    std::vector<ActorView> actors;
+    std::vector<float> points;  // kPointValues each
+    std::size_t rays = 0;
+    double render_ms = 0.0;
+  };
+  [[nodiscard]] Swept swept(const ViewRequest& request);
   void touch();
 
   Globals globals_;

@@ -5,7 +5,7 @@ const points = new PointView($('points'), $('points-over'));
 let selected = '';            // actor
 let hovered = '';
 let boxesInPicture = [];      // of the last picture
-let seen = {points: new Float32Array(0), from: [0, 0, 0]};  // over the last picture of a log
+let seen = {points: new Float32Array(0), from: [0, 0, 0]};  // over the last picture
 const marks = [];             // of a measurement: {point, picture: [x, y] or null}
 
 function request(sensor) {
@@ -15,8 +15,8 @@ function request(sensor) {
   return of_scene ? {...body, forward_m: forward, left_m: left, up_m: up, yaw_rad: yaw, pitch_rad: pitch, removed: edits.removed,
     moved: edits.moved, turned_deg: edits.turned, retimed: edits.retimed} : {...body, quality: ''};
 }
-const pictureRequest = () => scene.kind === 'log' ? {...request(state.camera), points: state.over ? state.lidar : ''} :
-  {...request(state.camera), layer: state.layer};
+const pictureRequest = () => ({...request(state.camera), points: state.over ? state.lidar : '',
+  ...(scene.kind === 'scene' && {layer: state.layer})});
 function photoRequest() {
   const r = $('points').getBoundingClientRect(), width = Math.max(64, Math.min(Math.round(state.width), 4096));
   return {...request(state.camera), width, height: Math.max(64, Math.min(Math.round(width * r.height / r.width), 4096)),

@@ -408,7 +408,7 @@ async function start() {
   if (!scene.has_support) for (const option of $('layer').options) if (option.value === 'support') option.disabled = true;
   const time = firstTime(), rig = rigAt(time), [x, y] = rotate(rig.q, [1, 0, 0]);
   const around = {target: place(rig, [6, 0, 0]), distance: 22, azimuth: Math.atan2(y, x) + Math.PI, elevation: 0.35};
-  usual = {...usual, time, camera: frontCamera() || '', lidar: scene.lidars[0] || '', quality: scene.quality || '', orbit: around};
+  usual = {...usual, time, camera: frontCamera() || '', lidar: scene.lidars[0] || '', quality: scene.quality || '', orbit: around, over: scene.kind === 'log'};
   $('time').min = scene.time_start_s;
   $('time').max = scene.time_end_s;
   Object.assign(points.orbit, around);
@@ -432,7 +432,7 @@ async function start() {
   on('clip', clip);
   on('save', () => save().catch(error => say(error.message)));
   on('camera-command', () => tellCommand(pictureRequest()));
-  on('lidar-command', () => tellCommand(request(state.lidar)));
+  on('lidar-command', () => tellCommand(state.photo ? photoRequest() : request(state.lidar)));
   on('home', goHome);
   on('undo', undo);
   on('redo', redo);
