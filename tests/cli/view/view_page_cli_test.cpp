@@ -99,6 +99,16 @@ TEST_F(ViewPage, ShowsASceneAndKeepsItsLayout) {
     EXPECT_EQ(tell("Math.round(document.querySelector('footer').getBoundingClientRect().bottom)"), height);
     EXPECT_GT(tell("$('picture').clientHeight + (innerWidth > 800 ? 0 : $('points').clientHeight)"),
               0.7 * height);
+    // What a laptop has no room for would be missed; a phone's toolbars are scrolled.
+    EXPECT_EQ(
+        tell("innerWidth < 1000 || [...document.querySelectorAll('.tools')].every(e => e.scrollWidth <= "
+             "e.clientWidth)"),
+        true)
+        << width;
+    EXPECT_EQ(tell("['show-help', 'time', 'time-text'].every(id => $(id).getBoundingClientRect().right <= "
+                   "innerWidth)"),
+              true)
+        << width;
     const json before = tell(layout);
     act("$('camera-time').textContent = 'x '.repeat(400); say('y '.repeat(400)); $('device').textContent = "
         "'z '.repeat(400)");

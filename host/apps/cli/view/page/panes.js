@@ -104,7 +104,7 @@ const lidar = new Pane('lidar', $('points'), () => [state.lidar, state.quality].
   $('points').dataset.time = info.time_s;
   const what = info.every > 1 ? `returns (1 in ${info.every})` : 'returns';
   $('lidar-time').textContent = scene.kind === 'log' ?
-    `${body.sensor}, ${data.length / kPointValues} ${what} of ${info.sweeps} sweeps, recorded at ${info.time_s.toFixed(3)} s` :
+    `${body.sensor}, ${data.length / kPointValues} ${what} of ${info.sweeps} ${info.sweeps > 1 ? 'sweeps' : 'sweep'}, recorded at ${info.time_s.toFixed(3)} s` :
     `${body.sensor}, ${body.quality}, ${data.length / kPointValues} returns of ${info.rays} rays, ${info.render_ms.toFixed(0)} ms${rate(lidar)}`;
   drawSpace();
   $('points').dataset.frames = 1 + (+$('points').dataset.frames || 0);

@@ -166,13 +166,12 @@ class PointView {
 function tag(pen, text, x, y, rgb, ratio, taken = []) {
   pen.font = `${12 * ratio}px system-ui, sans-serif`;
   const half = pen.measureText(text).width / 2;
-  if (taken.some(other => Math.abs(other.x - x) < other.half + half && Math.abs(other.y - y) < 12 * ratio)) return;
+  if (taken.some(other => Math.abs(other.x - x) < other.half + half + 8 * ratio && Math.abs(other.y - y) < 16 * ratio)) return;
   taken.push({x, y, half});
   pen.textAlign = 'center';
-  pen.lineWidth = 3 * ratio;
-  pen.strokeStyle = '#000b';
-  pen.strokeText(text, x, y);
   pen.fillStyle = css(rgb);
+  pen.fillRect(x - half - 4 * ratio, y - 12 * ratio, 2 * half + 8 * ratio, 16 * ratio);
+  pen.fillStyle = dot(rgb, [0.3, 0.6, 0.1]) < 128 ? '#fff' : '#000';
   pen.fillText(text, x, y);
 }
 // Between two points that were clicked: [x, y] of each on the canvas, null where it is not seen, and in space.

@@ -416,7 +416,7 @@ async function start() {
   restore();
   $('keys').replaceChildren(...kKeys.map(([key, what]) => {
     const row = document.createElement('tr');
-    row.append(...[key === ' ' ? 'Space' : key.toUpperCase() === key ? key : key[0].toUpperCase() + key.slice(1), what].map(text =>
+    row.append(...[key === ' ' ? 'Space' : key.replace(/(^|\+)\w/g, c => c.toUpperCase()), what].map(text =>
       Object.assign(document.createElement('td'), {textContent: text})));
     return row;
   }));
