@@ -180,6 +180,14 @@ TEST_F(ViewPage, TimeEditsAndAddressAreKept) {
   EXPECT_EQ(tell("JSON.stringify(shown) === JSON.stringify(scene.frames.front.slice(1).map(f => f[0]))"),
             true)
       << tell("shown");
+  // As fast as the log, round and round: also where a picture takes longer than the drive.
+  act("moments = []; key('e'); key('l'); state.speed = '1000'; play()");
+  EXPECT_TRUE(browser_->wait_for("moments.push(state.time) && new Set(moments).size > 2"));
+  act("play(); state.speed = '1'");
+  // After a click on a button Space plays.
+  const json at = tell("(({x, y}) => [x + 5, y + 5])($('on').getBoundingClientRect())");
+  browser_->drag(at.at(0).get<int>(), at.at(1).get<int>(), 0, 0);
+  EXPECT_EQ(tell("document.activeElement === document.body"), true);
   // Undo, redo and reset; rows and boxes are chosen together.
   act("$('show-actors').click(); document.querySelector('[data-row=car]').click()");
   EXPECT_EQ(tell("[selected, document.querySelector('[data-row=car]').className]"),
@@ -253,8 +261,23 @@ TEST_F(ViewPage, PointsToWhatIsThere) {
   EXPECT_EQ(tell("Math.abs(Math.hypot(...sub(marks[0].point, marks[1].point)) - "
                  "parseFloat($('camera-reading').textContent)) < 1e-3"),
             true);
+  act("was = $('camera-reading').textContent; done = false;" + pixel +
+      "read(e).then(() => { done = true; })");
+  EXPECT_TRUE(browser_->wait_for("done"));
+  EXPECT_EQ(tell("$('camera-reading').textContent"), tell("was"));
   key("Escape");
   EXPECT_EQ(tell("marks.length"), 0);
+  // A box is dragged along its ground, by whole millimetres.
+  act("Object.assign(points.orbit, structuredClone(usual.orbit)); orbited()");
+  const json box = tell(
+      "(r => { const [x, y] = points.orbit.project(points.boxes[0].t, points.aspect); "
+      "return [r.left + x * r.width, r.top + y * r.height]; })($('points').getBoundingClientRect())");
+  browser_->drag(box.at(0).get<int>(), box.at(1).get<int>(), 30, 4);
+  EXPECT_EQ(tell("state.edits.moved.car.length"), 3);
+  EXPECT_EQ(tell("[state.edits.moved.car[2], state.edits.moved.car.every(v => v === +v.toFixed(3))]"),
+            json({0, true}));
+  EXPECT_NE(tell("Math.hypot(...state.edits.moved.car)"), 0);
+  act("$('actors-view').hidden = true");  // the box's row was shown
   // The scene behind the points, from where the orbit is.
   EXPECT_TRUE(changes("photo", [&] { key("p"); }));
   act("maximise('space')");

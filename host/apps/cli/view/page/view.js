@@ -124,7 +124,8 @@ async function play() {
     last = now;
     if (next > scene.time_end_s && !state.loop) { setTime(scene.time_end_s); play(); break; }
     haste.camera.move(() => { if (!playing) panes.ask(['camera']); });
-    await Promise.all([setTime(next > scene.time_end_s ? firstTime() : next), pause(20)]);
+    const first = firstTime(), around = first + (next - first) % (scene.time_end_s - first);  // a slow device's step may be longer than the drive
+    await Promise.all([setTime(next > scene.time_end_s ? around : next), pause(20)]);
   }
 }
 
@@ -222,7 +223,9 @@ function bindPointers() {
     return {
       move: (dx, dy, m) => {
         const at = points.groundAt(m, grabbed[2]);
-        if (at) changeEdits(edits => { edits.moved[box.name] = add(before, rotate(back, sub(at, grabbed))); });
+        if (!at) return;
+        const [forward, left] = rotate(back, sub(at, grabbed));  // on its own ground
+        changeEdits(edits => { edits.moved[box.name] = add(before, [forward, left, 0]).map(v => +v.toFixed(3)); });
       },
       end: () => { for (const b of points.boxes) b.held = false; listActors(); choose(box.name); }};
   }, (dx, dy, factor) => { points.orbit.zoom(factor); panOrbit(dx, dy); });
@@ -274,6 +277,7 @@ async function pick(e, pane) {
 }
 async function read(e) {
   const {text} = await pick(e, e.pane);
+  if (marks.length === 2) return;  // what was measured stays
   $(e.pane === 'picture' ? 'camera-reading' : 'lidar-reading').textContent = text;
 }
 
@@ -353,6 +357,9 @@ document.addEventListener('keydown', e => {
   e.preventDefault();
   found[2]();
 });
+
+// Keys are the page's again after a click.
+document.addEventListener('click', e => { if (e.detail > 0) e.target.closest('button')?.blur(); });
 
 function goHome() {
   Object.assign(state, {forward: 0, left: 0, up: 0, yaw: 0, pitch: 0});
