@@ -138,6 +138,28 @@ thread.start()  # the last owner may be another thread's
 thread.join()
 del thread
 
+# The drive as it was recorded.
+drive = simuli.Log(pathlib.Path(log))
+assert drive.cameras == {name: camera} and drive.lidars[lidar].shape == sensor.shape and drive.span == scene.span
+assert drive.recorded_frames[name] == recorded and len(drive.recorded_frames[lidar]) == 6 and drive.start_ns == 0
+assert [actor["name"] for actor in drive.actors] == [actor["name"] for actor in scene.actors]
+assert repr(drive) == '<simuli.Log: "street", 6 pictures, 6 sweeps, 1 actors>', repr(drive)
+picture, begin_s = drive.image(name, 5), drive.recorded_frames[name][5][0]
+assert picture.shape == (height, width, 3) and not np.array_equal(picture, drive.image(name, 4))
+assert np.corrcoef(picture.ravel(), scene.render(name, time_s=begin_s).image.ravel())[0, 1] > 0.7
+recorded_sweep, seen = drive.sweep(lidar, 5), scene.render(lidar, time_s=drive.recorded_frames[lidar][5][0])
+both = (recorded_sweep["range_m"] > 0) & (seen.range_m > 0)
+off_m = abs(recorded_sweep["range_m"] - seen.range_m)[both], np.linalg.norm(recorded_sweep["points_m"] - seen.points_m, axis=2)[both]
+assert both.mean() > 0.2 and max(np.median(off) for off in off_m) < 0.2, [np.median(off) for off in off_m]
+assert np.allclose(recorded_sweep["time_s"], seen.time_s, atol=1e-6) and 0 < recorded_sweep["intensity"].max() <= 1
+assert np.allclose(drive.world_from_rig(start_s)[3], [0, 0, 0, 1])
+for index in (6, -1):
+    refused(lambda: drive.image(name, index), "allowed 0 to 5 of " + name)
+refused(lambda: drive.sweep("rear", 0), "rear")
+refused(lambda: drive.image(lidar, 0), lidar)
+refused(lambda: drive.world_from_rig(float("nan")), "time_s")
+refused(lambda: simuli.Log(folder), "log.json")
+
 # Clouds: the returns, in the frame asked for, with beam and time.
 cloud = sweep.cloud()
 assert cloud["xyz"].dtype == np.float64 and np.array_equal(cloud["xyz"], sweep.points_m[hit])
@@ -359,7 +381,8 @@ for edit in edits:
     assert pickle.loads(pickle.dumps(edit)) == edit and sum(edit == other for other in edits) == 1
 assert edits[1] != simuli.move("b", [0.1, 1 / 3, 3]) and edits[1].actor == "a"
 refused(lambda: simuli.Edit.__new__(simuli.Edit).__setstate__(("a", 1, [0.0])), "state")
-for kind, member in ((simuli.Scene, "particles"), (simuli.Frame, "image"), (simuli.Sensor, "name"), (simuli.Device, "name")):
+for kind, member in ((simuli.Scene, "particles"), (simuli.Frame, "image"), (simuli.Sensor, "name"), (simuli.Device, "name"),
+                     (simuli.Log, "name")):
     try:
         getattr(kind.__new__(kind), member)
     except TypeError as error:

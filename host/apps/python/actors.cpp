@@ -1,11 +1,27 @@
-// Actors and labels in Python.
+// Sensors, frames, actors and labels in Python.
 #include "host/apps/python/bindings.hpp"
 
 namespace simuli::python {
 
-py::list actors_as_dicts(const Scene& scene) {
+std::map<std::string, Sensor> sensors_of(const SensorRig& rig, bool cameras) {
+  std::map<std::string, Sensor> out;
+  for (const Sensor& s : rig.sensors()) {
+    if (s.is_camera() == cameras) out.emplace(s.name(), s);
+  }
+  return out;
+}
+
+std::map<std::string, std::vector<std::pair<double, double>>> spans_of(const FrameSpans& recorded) {
+  std::map<std::string, std::vector<std::pair<double, double>>> out;
+  for (const auto& [sensor, spans] : recorded) {
+    for (const FrameSpan& f : spans) out[sensor].emplace_back(f.time_start_s, f.time_end_s);
+  }
+  return out;
+}
+
+py::list actors_as_dicts(const std::vector<Actor>& actors) {
   py::list out;
-  for (const Actor& actor : scene.actors) {
+  for (const Actor& actor : actors) {
     py::list times, poses;
     for (const KeyPose& key : actor.track) {
       times.append(key.time_s);

@@ -116,7 +116,10 @@ double finite(double value, const char* what);
 [[nodiscard]] py::object array_of(const Pose& a_from_b);  // 4 x 4
 
 // What simuli.pyi tells of as dicts.
-[[nodiscard]] py::list actors_as_dicts(const Scene& scene);
+[[nodiscard]] std::map<std::string, Sensor> sensors_of(const SensorRig& rig, bool cameras);
+[[nodiscard]] std::map<std::string, std::vector<std::pair<double, double>>> spans_of(
+    const FrameSpans& recorded);
+[[nodiscard]] py::list actors_as_dicts(const std::vector<Actor>& actors);
 [[nodiscard]] py::list labels_as_dicts(const std::vector<ActorLabel>& labels,
                                        const Scene& scene,
                                        bool is_camera);
@@ -126,6 +129,7 @@ void add_arrays(py::module_& m);
 void add_devices(py::module_& m);
 void add_sensors(py::module_& m);
 void add_frames(py::module_& m);
+void add_logs(py::module_& m);
 void add_scenes(py::module_& m);
 void add_training(py::module_& m);
 

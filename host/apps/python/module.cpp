@@ -82,6 +82,7 @@ PYBIND11_MODULE(_simuli, m) {
   simuli::python::add_devices(m);
   simuli::python::add_sensors(m);
   simuli::python::add_frames(m);
+  simuli::python::add_logs(m);
   simuli::python::add_scenes(m);
   simuli::python::add_training(m);
 }

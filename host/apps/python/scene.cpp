@@ -38,11 +38,7 @@ class PyScene {
   [[nodiscard]] SensorRig& rig() { return rig_; }
   [[nodiscard]] const std::shared_ptr<const Scene>& scene() const { return scene_; }
   [[nodiscard]] std::map<std::string, Sensor> sensors(bool cameras) const {
-    std::map<std::string, Sensor> out;
-    for (const Sensor& s : rig_.sensors()) {
-      if (s.is_camera() == cameras) out.emplace(s.name(), s);
-    }
-    return out;
+    return sensors_of(rig_, cameras);
   }
   /// One that has no place on a rig yet is mounted where the first of its kind is.
   [[nodiscard]] Sensor in_place(const Sensor& sensor) const {
@@ -410,13 +406,7 @@ void add_scenes(py::module_& m) {
           "first and last time of the recorded path, s")
       .def_property_readonly(
           "recorded_frames",
-          [](const PyScene& s) {
-            std::map<std::string, std::vector<std::pair<double, double>>> out;
-            for (const auto& [sensor, spans] : s.recorded_frames()) {
-              for (const FrameSpan& f : spans) out[sensor].emplace_back(f.time_start_s, f.time_end_s);
-            }
-            return out;
-          },
+          [](const PyScene& s) { return spans_of(s.recorded_frames()); },
           "start and end of each frame that was recorded, s, by sensor")
       .def(
           "world_from_rig",
@@ -432,7 +422,7 @@ void add_scenes(py::module_& m) {
           "where in the world the means of particles() count from")
       .def_property_readonly(
           "actors",
-          [](const PyScene& s) { return actors_as_dicts(*s.scene()); },
+          [](const PyScene& s) { return actors_as_dicts(s.scene()->actors); },
           "name, kind, size_m, times_s, world_from_actor of each")
       .def("edit", &PyScene::edit, py::arg("edit"), "remove(), move(), retime(), retrack(): for all frames.")
       .def(
