@@ -51,6 +51,7 @@ struct Registry {
   std::mutex mutex;
   std::set<fs::path> paths;
   std::set<pid_t> groups;  // of processes
+  bool kills_groups = false;
   Spare spare;
   std::atomic<std::size_t> written = 0;  // Temporary objects that may still make a file
 };
@@ -223,9 +224,9 @@ void Temporary::take_targets_place() {
 
 void remove_temporaries() noexcept {
   try {
+    kill_groups();
     Registry& all = registry();
     all.mutex.lock();  // for good: nobody begins another one, or tells of one that has gone
-    for (const pid_t group : all.groups) ::kill(-group, SIGKILL);
     // Whoever was about to make a file, or is filling a folder, does so in spite of it, finds it gone when it
     // is done, and waits for the lock then. Who takes longer than this has made it long ago. A busy machine gets
     // a few tries all the same.
@@ -257,6 +258,14 @@ void kill_at_end(pid_t group) {
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
   all.groups.insert(group);
+  if (all.kills_groups) ::kill(-group, SIGKILL);
+}
+
+void kill_groups() {
+  Registry& all = registry();
+  const std::lock_guard lock(all.mutex);
+  all.kills_groups = true;
+  for (const pid_t group : all.groups) ::kill(-group, SIGKILL);
 }
 
 void spare_at_end(pid_t group) {

@@ -37,9 +37,12 @@ void remove_temporaries() noexcept;
 /// Also removed by remove_temporaries(), until keep_at_end().
 void remove_at_end(const std::filesystem::path& path);
 void keep_at_end(const std::filesystem::path& path);
-/// A group of processes that write into what is removed: killed by remove_temporaries(), until spare_at_end().
+/// A group of processes that write into what is removed: killed by kill_groups(), before or after this, until
+/// spare_at_end().
 void kill_at_end(pid_t group);
 void spare_at_end(pid_t group);
+/// From a thread that is about to end the process, now or soon; remove_temporaries() does so, too.
+void kill_groups();
 
 /// Removes temporaries of `target` whose processes are dead: killed before they could.
 void remove_stale_temporaries(const std::filesystem::path& target);

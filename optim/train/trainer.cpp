@@ -54,7 +54,6 @@ void Trainer::step() {
   const bool prunes = is_prune_turn(s);
   if (prunes) prune(s);
   s.structure.find_anchors(s.status.iteration, prunes);
-  if (s.mended.is_due(s.status.iteration, s.options.iterations)) mend();
   read_ahead();
   for (const auto& lesson : lessons_) {
     if (lesson->is_due()) lesson->step(shards_, progress);
@@ -66,9 +65,16 @@ void Trainer::step() {
   s.status.lidar_particles = s.lidar.particles.count;
 }
 
-void Trainer::mend() {
-  state_.mended.mend({scene(), state_.log.cameras, state_.log.lidars, state_.log.world_from_rig},
-                     state_.status.iteration);
+void Trainer::mend(const std::function<void(const TrainStatus&)>& on_step) {
+  const int iteration = state_.status.iteration;
+  if (!state_.mended.is_due(iteration, state_.options.iterations)) return;
+  try {
+    state_.mended.mend({scene(), state_.log.cameras, state_.log.lidars, state_.log.world_from_rig},
+                       iteration);
+  } catch (...) {
+    if (on_step) on_step(state_.status);
+    throw;
+  }
 }
 
 /// Of sweeps those of the LiDAR set, as depth's are the same ones.
@@ -107,6 +113,7 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
       report.stopped_early = true;
       break;
     }
+    mend(on_step);
     step();
     if (status.iteration - report.first_iteration <= kStart) {
       // fmin and fmax leave what is not known out.

@@ -65,8 +65,9 @@ class Trainer {
   Trainer& operator=(const Trainer&) = delete;
 
  private:
-  /// Has pictures from beside the path mended.
-  void mend();
+  /// Has pictures from beside the path mended, when it is time for that. Where it can't, `on_step` is called once
+  /// more: whoever ended the program can store the state, which is that of before.
+  void mend(const std::function<void(const TrainStatus&)>& on_step);
   /// What the next iterations take first is read meanwhile.
   void read_ahead();
   /// Sees what its end says, when a stage is done of a training that decides how long it goes on.

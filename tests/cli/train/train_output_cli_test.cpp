@@ -41,22 +41,23 @@ class TrainOutputCli : public Cli {
     for (const char* own : {"out.txt", "err.txt", "train.txt", "s.log"}) found.erase(own);
     return found;
   }
-  /// A long training with checkpoints, once the first is there.
-  [[nodiscard]] std::unique_ptr<BackgroundProgram> start(const std::string& every) const {
-    auto training =
-        std::make_unique<BackgroundProgram>(std::vector<std::string>{SIMULI_PROGRAM,
-                                                                     "train",
-                                                                     (folder_ / "s.log").string(),
-                                                                     "-o",
-                                                                     (folder_ / "a.scene").string(),
-                                                                     "--iterations",
-                                                                     "100000",
-                                                                     "--checkpoint-every",
-                                                                     every,
-                                                                     "--set",
-                                                                     "init.voxel_m=0.3"},
-                                            folder_ / "train.txt");
-    return training;
+  /// A long training with checkpoints.
+  [[nodiscard]] std::unique_ptr<BackgroundProgram> start(const std::string& every,
+                                                         const std::string& iterations = "100000",
+                                                         const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{SIMULI_PROGRAM,
+                                       "train",
+                                       (folder_ / "s.log").string(),
+                                       "-o",
+                                       (folder_ / "a.scene").string(),
+                                       "--iterations",
+                                       iterations,
+                                       "--checkpoint-every",
+                                       every,
+                                       "--set",
+                                       "init.voxel_m=0.3"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return std::make_unique<BackgroundProgram>(std::move(arguments), folder_ / "train.txt");
   }
   [[nodiscard]] bool wait_for(const std::string& name) const {
     for (int tries = 0; tries < 600 && !fs::exists(folder_ / name); ++tries) {
@@ -163,6 +164,29 @@ TEST_F(TrainOutputCli, AStoppedTrainingGoesOn) {
     fs::remove_all(folder_ / "a.scene");
     fs::remove(folder_ / "a.scene.checkpoint");
   }
+}
+
+TEST_F(TrainOutputCli, ASignalDoesNotWaitForAFixer) {
+  const std::string folder = folder_.string(), fixer = "sh " + folder + "/mend.sh";
+  std::ofstream(folder_ / "mend.sh") << "if [ -e " << folder << "/slow ]; then touch " << folder
+                                     << "/begun; sleep 300; fi\n"
+                                        "for f in \"$1\"/*_recorded.png; do"
+                                        " cp \"$f\" \"$2/$(basename \"$f\" _recorded.png).png\"; done\n";
+  const std::string whole =
+      "train s.log --iterations 8 --checkpoint-every 100 --set init.voxel_m=0.3 --fixer '" + fixer + "'";
+  ASSERT_EQ(run(whole + " -o b.scene").exit_code, 0);
+  std::ofstream(folder_ / "slow") << "";
+  const auto training = start("100", "8", {"--fixer", fixer});
+  ASSERT_TRUE(wait_for("begun")) << training->output();
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(training->end_by(SIGINT), kInterrupted) << training->output();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));  // busy machines
+  EXPECT_NE(training->output().find("interrupted at iteration 4 of 8"), std::string::npos)
+      << training->output();
+  fs::remove(folder_ / "slow");
+  const Outcome rest = run(whole + " -o a.scene --resume");
+  ASSERT_EQ(rest.exit_code, 0) << rest.err;
+  EXPECT_EQ(content("a.scene/camera.ply"), content("b.scene/camera.ply"));
 }
 
 TEST_F(TrainOutputCli, SignalsLeaveNothingHalfWritten) {

@@ -155,7 +155,11 @@ TEST_F(FixerTest, GoesOnFromACheckpointWithTheSameBits) {
   const auto started = [&] { return std::make_unique<Trainer>(test::device(), log_, initial_scene(), o); };
   const auto whole = started(), first = started(), resumed = started();
   (void)whole->run();
-  for (int i = 0; i < 8; ++i) first->step();  // the program was asked once, and will be again
+  struct Enough {};
+  const auto stop = [](const TrainStatus& status) {
+    if (status.iteration == 8) throw Enough();  // the program was asked once, and will be again
+  };
+  EXPECT_THROW((void)first->run(stop), Enough);
   first->save(checkpoint, "");
   resumed->resume(checkpoint, "");
   (void)resumed->run();

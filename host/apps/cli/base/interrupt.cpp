@@ -64,6 +64,7 @@ void serve(int pipe) {
     if (got != 1) return;
     if (points > 0 && !is_noted.exchange(true)) {
       std::cerr << "simuli: interrupted: " << point_note << std::endl;
+      kill_groups();
       continue;
     }
     end_by(signal);
