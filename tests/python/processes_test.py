@@ -45,6 +45,20 @@ print("right", float(scene.render(name, time_s=scene.span[0]).image.mean()) > 0)
 """)
 assert rc == 0 and "right True" in said, (rc, said)
 
+# Files need no device: a log that the parent has read is read in a child, too.
+said, rc, _ = child("""
+def read():
+    log = simuli.Log(sys.argv[2])
+    return sum(float(log.image(name, 0).sum()) for name in log.cameras) + sum(float(log.sweep(name, 0)["range_m"].sum()) for name in log.lidars)
+scene, right = simuli.Scene(sys.argv[1]), read()
+pid = os.fork()
+if pid == 0:
+    signal.alarm(20)
+    os._exit(0 if read() == right else 3)
+assert os.waitpid(pid, 0)[1] == 0
+""")
+assert rc == 0, (rc, said)
+
 # Devices opened first by threads, all at once.
 for _ in range(5):
     said, rc, _ = child("""

@@ -50,6 +50,11 @@ class OpenImageIoInput : public PictureInput {
 
 class OpenImageIo : public PictureCodec {
  public:
+  /// Without threads of its own: a child of fork() would wait for them for ever.
+  OpenImageIo() {
+    OIIO::attribute("threads", 1);
+    OIIO::attribute("exr_threads", -1);
+  }
   [[nodiscard]] std::unique_ptr<PictureInput> open(const std::string& format,
                                                    const std::filesystem::path& file,
                                                    std::string& failure) const override {
