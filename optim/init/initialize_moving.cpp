@@ -14,12 +14,17 @@ namespace simuli {
 namespace {
 
 constexpr int kMinThrough = 3;
-constexpr float kFarthest_m = 40.0F;  // further out the rays are too far apart to tell
+constexpr float kFarthest_m = 70.0F;
+/// Beyond 40 m only points by rows that are near each other tell: the rows looked at may span 0.75 m there, as those
+/// of an HDL-64E do at 43 m and those of a Pandar64 at 86 m.
+constexpr float kSurelyNear_m = 40.0F;
+constexpr float kSpan_m = 0.75F;
 constexpr float kNearest_m = 1.0F;
 constexpr double kSlack_m = 0.1;  // above what floats lose there
-/// A ray ends at the point when their ranges differ by no more than this, or this share of the range.
+/// A ray ends at the point when their ranges differ by no more than this, or this share of the range. 3 % hides what
+/// drives at 30 to 60 m: of six cars of PandaSet 002 there none was found, with 1 % four.
 constexpr float kMargin_m = 0.5F;
-constexpr float kMarginShare = 0.03F;
+constexpr float kMarginShare = 0.01F;
 /// Rays looked at around a point: two rows above and below, two columns to either side. A road seen at a
 /// grazing angle ends the rows below, so its points are never looked through.
 constexpr int kRowReach = 2;
@@ -44,6 +49,10 @@ class RayGrid {
   [[nodiscard]] int rows() const { return static_cast<int>(slope_.size()); }
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] float height(int row) const { return height_[static_cast<std::size_t>(row)]; }
+  /// Difference of the rows' slopes.
+  [[nodiscard]] float spread(int row, int other) const {
+    return std::abs(slope_[static_cast<std::size_t>(row)] - slope_[static_cast<std::size_t>(other)]);
+  }
   /// Column nearest to an azimuth; columns() or more outside of a partial turn.
   [[nodiscard]] int column(float azimuth, int row) const {
     constexpr auto kTurn = static_cast<float>(2.0 * std::numbers::pi);
@@ -92,13 +101,15 @@ void vote(const Sweep& sweep,
           PointVotes& votes) {
   const float rho = std::hypot(p_lidar.x(), p_lidar.y());
   const float range_m = std::hypot(rho, p_lidar.z() - grid.height(row_below));
+  const int row_begin = std::max(row_below - kRowReach, 0);
+  const int row_end = std::min(row_below + kRowReach, grid.rows());
+  if (range_m > kSurelyNear_m && rho * grid.spread(row_begin, row_end - 1) > kSpan_m) return;
   const float margin_m = std::max(kMargin_m, kMarginShare * range_m);
   int rays = 0;
   int returned = 0;
   float nearest_m = std::numeric_limits<float>::infinity();
   bool is_there = false;
-  const int row_end = std::min(row_below + kRowReach, grid.rows());
-  for (int row = std::max(row_below - kRowReach, 0); row < row_end; ++row) {
+  for (int row = row_begin; row < row_end; ++row) {
     for (int k = -kColumnReach; k <= kColumnReach; ++k) {
       const int c = (column + k + grid.columns()) % grid.columns();
       const float ray_m =

@@ -18,10 +18,10 @@ struct PointVotes {
   std::uint16_t there = 0;    // sweeps that met something at its distance
 };
 
-/// Lets one sweep vote on every point within 40 m of the sensor. Poses take the sensor's frame to the scene's
-/// at the start and the end of the sweep. A sweep abstains where fewer than half of the rays around a point
-/// returned, and where the point is nearer than what those rays met, but not clearly. votes: [points];
-/// `blocks`: of the points, so that only those near the sensor are looked at; the votes are the same.
+/// Lets one sweep vote on every point within 40 m of the sensor, or 70 m where its rows are near each other. Poses
+/// take the sensor's frame to the scene's at the start and the end of the sweep. A sweep abstains where fewer than half
+/// of the rays around a point returned, and where the point is nearer than what those rays met, but not clearly. votes:
+/// [points]; `blocks`: of the points, so that only those near the sensor are looked at; the votes are the same.
 void vote_on_points(const Sweep& sweep,
                     const Lidar& lidar,
                     const Pose& scene_from_lidar_start,

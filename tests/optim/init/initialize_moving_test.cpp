@@ -83,6 +83,24 @@ TEST(Moving, WallRoadAndPoleAreThere) {
   EXPECT_EQ(votes_of(sweep(false), on_pole)[0].through, 1);
 }
 
+TEST(Moving, FarPointsAreToldWhereRowsAreNearEachOther) {
+  const auto through = [](float rho_m, double share_of_elevations) {
+    Lidar sensor = lidar();
+    for (LidarRow& row : sensor.rows) row.elevation *= share_of_elevations;
+    Sweep far{nominal_rays(sensor), {}, {}};
+    far.range.assign(sensor.ray_count(), 90.0F);
+    far.intensity.assign(sensor.ray_count(), 0.5F);
+    std::vector<PointVotes> votes(1);
+    vote_on_points(far, sensor, Pose{}, Pose{}, point_set({{rho_m, 0.0F, -0.5F}}), votes);
+    return votes[0].through;
+  };
+  EXPECT_EQ(through(38.0F, 1.0), 1);
+  EXPECT_EQ(through(50.0F, 1.0), 0);
+  EXPECT_EQ(through(50.0F, 0.3), 1);
+  EXPECT_EQ(through(68.0F, 0.3), 1);
+  EXPECT_EQ(through(72.0F, 0.3), 0);
+}
+
 TEST(Moving, WhatCannotBeToldGetsNoVote) {
   Sweep nothing_back = sweep();
   std::fill(nothing_back.range.begin(), nothing_back.range.end(), 0.0F);
