@@ -162,7 +162,7 @@ TRAININGS = {
     "no_held_out": "--held-out 0 --seed 2",
     "draft": "--quality draft",
     "exact": "--quality exact",
-    "color_grids": "--set color_grids=true",
+    "color_grids": "--set color_grids=pictures",
     "environment": "--set init.environment_width=64",
     "densify": "--set densify.every=6",
     "densify_full": "--set densify.every=6 densify.cap=68000",
@@ -183,7 +183,7 @@ TRAININGS = {
     "unscented_extent": "--set render.extent=unscented render.shutter_iterations=3",
     "compensation": "--set render.camera_compensation=true render.lidar_compensation=true",
     "cuts": "--set render.alpha_cut=0.01 render.transmittance_cut=0.01 render.camera_filter_px2=0.1",
-    "everything": "--set color_grids=true init.environment_width=64 densify.every=6 anchor.weight=0.01 "
+    "everything": "--set color_grids=pictures init.environment_width=64 densify.every=6 anchor.weight=0.01 "
                   "lidar_every=1 actors.track.learn=true",
 }
 OPTIONS = {

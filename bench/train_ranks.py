@@ -75,7 +75,7 @@ def train(args, ranks, name, *options, **environment):
 
 def hashes(args):
     options = ["--iterations", "60", "--set", "shards=4", "--set", "densify.every=10",
-               "--set", "color_grids=true", "--set", "actors.track.learn=true"]
+               "--set", "color_grids=pictures", "--set", "actors.track.learn=true"]
     found = {}
     for ranks in (1, 2, 4):
         told, found[f"{ranks} ranks"] = train(args, ranks, f"h{ranks}.scene", *options)

@@ -21,7 +21,7 @@ class Table {
     training_.init.environment_width = kEnvironmentWidth;
     training_.train.iterations = options.iterations;
     training_.train.render = paper_options();
-    training_.train.look.color_grids = true;
+    training_.train.look.color_grids = ColorGridsOf::kPictures;
     training_.train.anchor = kPaperAnchors;
   }
 
@@ -90,7 +90,7 @@ std::vector<Row> run_table5(const std::string& device_request,
   Table table(device, log, options, note);
   for (const double weight : {0.0, 0.001, 0.01, 0.1}) table.add_unified(weight);
   TrainingOptions without_grid = table.options();
-  without_grid.train.look.color_grids = false;
+  without_grid.train.look.color_grids = ColorGridsOf::kNone;
   table.add_factorised("without_grid", without_grid);
   TrainingOptions without_environment = table.options();
   without_environment.init.environment_width = 0;

@@ -101,7 +101,7 @@ CourseByStretches::CourseByStretches(TrainingDrive& drive,
 /// Of the current stretch: none of its frames is held out, and what sensors are is known from the first.
 TrainingOptions CourseByStretches::options() const {
   TrainingOptions own = drive_.options;
-  own.train.look.camera_tints = false;
+  own.train.look.color_grids = ColorGridsOf::kNone;  // stretches would differ in them
   const int iterations = ends_[current_] - begun();
   own.frames = nothing_held_out(own.frames);
   own.init.actor_min_travel_m = 0.0;

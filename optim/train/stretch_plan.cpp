@@ -27,15 +27,16 @@ constexpr double kKeyBytes = 600.0;      // of a key pose of an actor's track th
 constexpr double kSceneCopies = 1.5;     // and of the finished scene: itself, and its order.
 constexpr double kDeviceScene = 1.5;     // of a scene on the device, over its bytes
 
-/// The key of the first option that keeps a drive in one piece, and what it would have to be; null: none
-/// does.
+/// The key of the first option that keeps a drive in one piece, what it is, and what it would have to be;
+/// null: none does.
 struct Uncut {
   const char* key = nullptr;
+  const char* found = nullptr;
   const char* allowed = nullptr;
 };
 Uncut uncut_by(const TrainingOptions& o) {
-  if (o.train.length.automatic) return {"auto.on", "a number of iterations"};
-  if (o.train.look.color_grids) return {"color_grids", "false"};
+  if (o.train.length.automatic) return {"auto.on", "true", "a number of iterations"};
+  if (o.train.look.color_grids == ColorGridsOf::kPictures) return {"color_grids", "pictures", "auto, none"};
   return {};
 }
 
@@ -135,6 +136,8 @@ class Planner {
     TrainingOptions own = own_;
     const double share = length_m / std::max(path_.length_m(), length_m);
     own.train.iterations = static_cast<int>(std::ceil(share * options_.train.iterations));
+    if (length_m < path_.length_m())
+      own.train.look.color_grids = ColorGridsOf::kNone;  // course_by_stretches.cpp
     const MemoryNeed need = training_memory(device_, log, scene, own);
     return {0.0, static_cast<double>(need.total), static_cast<double>(need.largest_buffer)};
   }
@@ -184,10 +187,11 @@ bool plans_stretches(const TrainingOptions& options) {
 void need_uncut(const TrainingOptions& o) {
   const Uncut uncut = uncut_by(o);
   if (o.stretches.length_m == 0.0 || uncut.key == nullptr) return;
-  throw Error(
-      ErrorKind::kUsage,
-      fmt::format(
-          "{}: found true, allowed {} where stretch.length_m cuts the drive", uncut.key, uncut.allowed));
+  throw Error(ErrorKind::kUsage,
+              fmt::format("{}: found {}, allowed {} where stretch.length_m cuts the drive",
+                          uncut.key,
+                          uncut.found,
+                          uncut.allowed));
 }
 
 StretchPlan plan_stretches(const Device& device,

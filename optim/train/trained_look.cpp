@@ -58,9 +58,7 @@ std::vector<std::size_t> grid_of_images(const Log& log,
 }  // namespace
 
 GridPlan plan_grids(const LookOptions& options, const Log& log, const std::vector<std::size_t>& training) {
-  if (options.color_grids) return {training, {16, 16, 8}, 10.0, false};
-  // Next to constant over a picture: PandaSet, 200 iterations: 28.92 dB without, 29.15 dB with a grid for each
-  // picture, which is seen too rarely, 29.77 dB so.
+  if (options.color_grids == ColorGridsOf::kNone) return {};
   GridPlan plan{{}, {2, 2, 2}, 1000.0, true};
   for (const std::size_t i : training) {
     const bool is_first = std::none_of(plan.images.begin(), plan.images.end(), [&](std::size_t image) {
@@ -68,8 +66,8 @@ GridPlan plan_grids(const LookOptions& options, const Log& log, const std::vecto
     });
     if (is_first) plan.images.push_back(i);
   }
-  if (!options.camera_tints || plan.images.size() < 2) plan.images.clear();
-  return plan;
+  const bool is_of_pictures = options.color_grids == ColorGridsOf::kPictures || plan.images.size() == 1;
+  return is_of_pictures ? GridPlan{training, {16, 16, 8}, 10.0, false} : plan;
 }
 
 TrainedLook::TrainedLook(const Device& device,

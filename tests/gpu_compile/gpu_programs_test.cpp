@@ -40,7 +40,7 @@ TEST_F(GpuPrograms, AreAllThatATrainingAndItsRenderingAskFor) {
   const Device device = Device::best();
   TrainingOptions options = training_options(
       "",
-      {"iterations=3", "image_scale=1", "init.voxel_m=0.15", "color_grids=true", "actors.track.learn=true"});
+      {"iterations=3", "image_scale=1", "init.voxel_m=0.15", "color_grids=pictures", "actors.track.learn=true"});
   Training training(device, log_, options);
   training.run();
   const SceneFile file = training.result();

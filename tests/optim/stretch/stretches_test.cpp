@@ -323,7 +323,7 @@ TEST_F(StretchesTest, AreAsFewAsFitInMemory) {
     TrainingOptions o = options(0.0);
     o.stretches.host_memory_bytes = host;
     o.train.memory_bytes = device;
-    o.train.look.color_grids = grids;
+    if (grids) o.train.look.color_grids = ColorGridsOf::kPictures;
     return plan_stretches(test::device(), log_, o, path);
   };
   EXPECT_FALSE(plans_stretches(options(0.0)));
@@ -341,6 +341,7 @@ TEST_F(StretchesTest, AreAsFewAsFitInMemory) {
   TrainingOptions o = options(by_device.length_m);
   Training training(test::device(), log_, o);
   training.prepare();
+  o.train.look.color_grids = ColorGridsOf::kNone;  // as in stretches
   const MemoryNeed need = training_memory(test::device(), log_, training.scene(), o);
   EXPECT_GT(static_cast<double>(by_device.device_bytes), 0.8 * static_cast<double>(need.total));
   EXPECT_LT(static_cast<double>(by_device.device_bytes), 3.0 * static_cast<double>(need.total));
@@ -383,8 +384,8 @@ TEST_F(StretchesTest, RefuseWhatOneWouldTellOtherThanTheNext) {
   o.train.length.automatic = true;
   refuse("auto.on: found true, allowed a number of iterations", o);
   o = options(20.0);
-  o.train.look.color_grids = true;
-  refuse("color_grids", o);
+  o.train.look.color_grids = ColorGridsOf::kPictures;
+  refuse("color_grids: found pictures, allowed auto, none", o);
 }
 
 }  // namespace

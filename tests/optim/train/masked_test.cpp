@@ -42,7 +42,7 @@ class MaskedTest : public test::SmallStreet {
     o.train.iterations = 30;
     o.train.lidar_every = 4;
     o.train.densify.every = 10;
-    o.train.look.color_grids = true;
+    o.train.look.color_grids = ColorGridsOf::kPictures;
     return o;
   }
 

@@ -48,7 +48,7 @@ class TrainerLook : public test::SmallStreet {
 
 TEST_F(TrainerLook, SameSeedGivesTheSameBits) {
   TrainingOptions o = options(12);
-  o.train.look.color_grids = true;
+  o.train.look.color_grids = ColorGridsOf::kPictures;
   o.train.image.dissimilarity = 0.2;
   const auto train = [&] {
     Trainer trainer(test::device(), log_, scene_with_environment(), o);
@@ -163,17 +163,18 @@ Look trained_look(const Log& log, const Scene& start, TrainingOptions options) {
 
 TEST_F(TrainerLook, CamerasHaveTintsOfTheirOwnWhereSeveralTrain) {
   Log log = flickering_log();
-  const auto train = [&](bool tints) {
+  const auto train = [&](ColorGridsOf grids) {
     TrainingOptions o = options(120);
-    o.train.look.camera_tints = tints;
+    o.train.look.color_grids = grids;
     return trained_look(log, initial_scene(), o);
   };
-  EXPECT_TRUE(train(true).scene.color_grids.empty());  // of one camera there is nothing to tell apart
+  // Of one camera there is nothing to tell apart but its training pictures.
+  EXPECT_EQ(train(ColorGridsOf::kAuto).scene.color_grids.frames.size(), 5U);
   log.cameras.push_back(log.cameras[0]);
   log.cameras[1].model.name = "dim";
   for (std::size_t i = 1; i < log.images.size(); i += 2) log.images[i].camera = "dim";
-  const auto [plain, plain_psnr_db] = train(false);
-  const auto [tinted, tinted_psnr_db] = train(true);
+  const auto [plain, plain_psnr_db] = train(ColorGridsOf::kNone);
+  const auto [tinted, tinted_psnr_db] = train(ColorGridsOf::kAuto);
   EXPECT_TRUE(plain.color_grids.empty());
   EXPECT_GT(tinted_psnr_db, plain_psnr_db + 1.0);
   const ColorGrids& tints = tinted.color_grids;
@@ -186,13 +187,13 @@ TEST_F(TrainerLook, CamerasHaveTintsOfTheirOwnWhereSeveralTrain) {
 
 TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
   const Log log = flickering_log();
-  const auto train = [&](bool color_grids) {
+  const auto train = [&](ColorGridsOf grids) {
     TrainingOptions o = options(120);
-    o.train.look.color_grids = color_grids;
+    o.train.look.color_grids = grids;
     return trained_look(log, initial_scene(), o);
   };
-  const auto [plain, plain_psnr_db] = train(false);
-  const auto [graded, graded_psnr_db] = train(true);
+  const auto [plain, plain_psnr_db] = train(ColorGridsOf::kNone);
+  const auto [graded, graded_psnr_db] = train(ColorGridsOf::kPictures);
   EXPECT_TRUE(plain.color_grids.empty());
   EXPECT_GT(graded_psnr_db, plain_psnr_db + 1.0);
   // The dark pictures' grids are darker than their neighbours'.

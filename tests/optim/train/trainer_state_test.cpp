@@ -55,15 +55,15 @@ TEST_F(TrainerStateTest, ResumedTrainingGivesTheSameBits) {
   // Another training's state is refused: other settings, other parts.
   Trainer other(Device::best(), log_, initial_scene(), o);
   EXPECT_THROW(other.resume(folder_ / "4.checkpoint", "settings=2\n"), Error);
-  TrainingOptions graded = o;
-  graded.train.look.color_grids = true;
-  Trainer more(Device::best(), log_, initial_scene(), graded);
-  EXPECT_THROW(more.resume(folder_ / "4.checkpoint", "settings=1\n"), Error);
+  TrainingOptions plain = o;
+  plain.train.look.color_grids = ColorGridsOf::kNone;
+  Trainer less(Device::best(), log_, initial_scene(), plain);
+  EXPECT_THROW(less.resume(folder_ / "4.checkpoint", "settings=1\n"), Error);
 }
 
 TEST_F(TrainerStateTest, MemoryOfAppearanceIsEstimated) {
   TrainingOptions o = options(4);
-  o.train.look.color_grids = true;
+  o.train.look.color_grids = ColorGridsOf::kPictures;
   Scene scene = initial_scene();
   scene.environment = {32, 16, std::vector<float>(std::size_t{3} * 32 * 16, 0.5F)};
   const Device device = Device::best();
