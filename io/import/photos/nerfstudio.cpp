@@ -107,10 +107,12 @@ std::size_t camera_index(PhotoSet& set, Camera camera) {
 
 /// 3 or 4 rows of 4, camera x right, y up, z back; ours looks along z, y down.
 Pose pose_of(const Json& rows, const std::string& file, const std::string& field) {
-  Eigen::Matrix<double, 3, 4> m;
-  const auto refuse = [&](const char* found) { throw_input_error(file, field, found, "a 4 x 4 matrix"); };
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  const auto refuse = [&](const char* found) {
+    throw_input_error(file, field, found, "a 4 x 4 matrix, 0 0 0 1 the last row");
+  };
   if (!rows.is_array() || rows.size() < 3 || rows.size() > 4) refuse("other rows");
-  for (Eigen::Index r = 0; r < 3; ++r) {
+  for (Eigen::Index r = 0; r < static_cast<Eigen::Index>(rows.size()); ++r) {
     const Json& row = rows[static_cast<std::size_t>(r)];
     if (!row.is_array() || row.size() != 4) refuse("other columns");
     for (Eigen::Index c = 0; c < 4; ++c) {
@@ -119,9 +121,11 @@ Pose pose_of(const Json& rows, const std::string& file, const std::string& field
       m(r, c) = value.get<double>();
     }
   }
+  constexpr double kSlack = 1e-5;  // of single precision
+  if (!m.row(3).isApprox(Eigen::RowVector4d::UnitW(), kSlack)) refuse("another last row (is it transposed?)");
   m.col(1) = -m.col(1);
   m.col(2) = -m.col(2);
-  return with_context(file + ": " + field, [&] { return Pose::from_matrix(m); });
+  return with_context(file + ": " + field, [&] { return Pose::from_matrix(m.topRows<3>()); });
 }
 
 fs::path photo_file(const fs::path& folder, JsonObject& frame) {

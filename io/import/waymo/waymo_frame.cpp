@@ -143,10 +143,12 @@ Pose Reader::transform(std::string_view bytes) const {
     if (field.number == 1) append_doubles(field, v);
   }
   if (v.size() != 16) throw_input_error(file_, "transform", fmt::format("{} numbers", v.size()), "16");
-  return with_context(file_, [&] {
-    return Pose::from_matrix(
-        Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(v.data()).topRows<3>());
-  });
+  const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> m(v.data());
+  constexpr double kSlack = 1e-5;  // of single precision
+  if (!m.row(3).isApprox(Eigen::RowVector4d::UnitW(), kSlack)) {
+    throw_input_error(file_, "transform", "another last row (is it transposed?)", "0 0 0 1");
+  }
+  return with_context(file_, [&] { return Pose::from_matrix(m.topRows<3>()); });
 }
 
 void Reader::context(std::string_view bytes, Frame& f) const {

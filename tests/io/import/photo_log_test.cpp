@@ -262,6 +262,10 @@ TEST(Nerfstudio, PosesAreOurs) {
   refuse(transforms(R"("w": 8, "h": 6,)", "OPENCV"), "camera_angle_x");
   refuse(R"({"fl_x": 9, "w": 8, "h": 6, "frames": [{"file_path": "a.png", "transform_matrix": [[1]]}]})",
          "transform_matrix");
+  for (const char* row : {"[0, 0, 0, 2]", "[5, -2, 1, 1]"}) {
+    std::string other = transforms(head, "OPENCV");
+    refuse(other.replace(other.find("[0, 0, 0, 1]"), 12, row), "another last row");
+  }
   refuse(R"({"fl_x": 9, "w": 8, "h": 6, "frames": []})", "photographs");
 }
 

@@ -205,6 +205,12 @@ TEST(Waymo, RefusesWhatIsNotWhole) {
   refuse(record(frame(0, "")), "image");
   refuse(record(frame(0, picture, "no zlib")), "compressed data");
   refuse(record(frame(0, picture, gzip(Message().number(3, 1).text()))), "range image");
+  const std::string pose = transform(1.5, 0.0, 2.0);
+  std::string transposed = frame(0, picture);
+  transposed.replace(transposed.find(pose),
+                     pose.size(),
+                     Message().reals(1, {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1.5, 0, 2, 1}).text());
+  refuse(record(transposed), "another last row");
   const auto refuse_path = [&](const fs::path& path, const char* found) {
     expect_input_error(
         [&] {
