@@ -117,6 +117,19 @@ void require_size(const fs::path& file, const PictureLayout& layout) {
   }
 }
 
+/// What a few bytes claim is not worth the memory. Deflate makes 1032 bytes of one, and so 8256 pixels of a bit each;
+/// the others here make fewer. EXR, TIFF and WebP hold a picture of one colour in next to nothing.
+void require_pixels_for(const fs::path& file, std::string_view format, const PictureLayout& layout) {
+  constexpr std::int64_t kPixelsPerByte = 1 << 14;
+  if (format == "exr" || format == "tiff" || format == "webp") return;
+  const auto bytes = static_cast<std::int64_t>(fs::file_size(file));
+  if (std::int64_t{layout.width} * layout.height <= kPixelsPerByte * bytes) return;
+  throw_input_error(file.string(),
+                    "size_px",
+                    fmt::format("{} x {}", layout.width, layout.height),
+                    fmt::format("as many as {} bytes hold", bytes));
+}
+
 bool has_float_pixels(const fs::path& file) { return file.extension() == ".exr"; }
 
 void require_writable(const fs::path& file, const Image& image) {
@@ -198,6 +211,7 @@ Image read_stored(const fs::path& file) {
   const auto [input, format] = open_picture(file);
   const PictureLayout layout = input->layout();
   require_size(file, layout);
+  require_pixels_for(file, format, layout);
   Image stored(layout.width, layout.height, layout.channels);
   if (const PictureFailure failure = input->read(stored.data.data()))
     throw_input_error(file.string(), "pixels", one_line(*failure), "a whole picture");

@@ -168,16 +168,22 @@ TEST(Image, ChecksTheClaimedSizeBeforeItAllocates) {
   const auto put = [&](std::size_t at, std::uint32_t value) {
     for (std::size_t i = 0; i < 4; ++i) bytes[at + i] = static_cast<char>(value >> (24 - 8 * i));
   };
-  put(16, 60000);
-  put(20, 60000);
-  std::uint32_t crc = 0xFFFFFFFFU;
-  for (std::size_t i = 12; i < 29; ++i) {
-    crc ^= static_cast<unsigned char>(bytes[i]);
-    for (int k = 0; k < 8; ++k) crc = (crc >> 1U) ^ ((crc & 1U) != 0U ? 0xEDB88320U : 0U);
+  for (const auto& [side, allowed] : {std::pair{60000U, "allowed at most"}, {16000U, "as many as"}}) {
+    put(16, side);
+    put(20, side);
+    std::uint32_t crc = 0xFFFFFFFFU;
+    for (std::size_t i = 12; i < 29; ++i) {
+      crc ^= static_cast<unsigned char>(bytes[i]);
+      for (int k = 0; k < 8; ++k) crc = (crc >> 1U) ^ ((crc & 1U) != 0U ? 0xEDB88320U : 0U);
+    }
+    put(29, ~crc);
+    const fs::path file = scratch.file("bomb.png", bytes);
+    expect_input_error([&] { (void)read_image(file); }, {"bomb.png", std::to_string(side), allowed});
   }
-  put(29, ~crc);
-  const fs::path file = scratch.file("bomb.png", bytes);
-  expect_input_error([&] { (void)read_image(file); }, {"bomb.png", "60000 x 60000", "allowed at most"});
+  const fs::path grey = scratch.file("bomb.pgm", "P5 16000 16000 255\n some");
+  expect_input_error([&] { (void)read_image(grey); }, {"bomb.pgm", "16000 x 16000", "as many as"});
+  write_image(scratch / "black.png", Image(3000, 3000, 1));  // the least that a file can hold so many in
+  EXPECT_EQ(read_image(scratch / "black.png").width, 3000);
 }
 
 TEST(Image, RefusesWhatCannotBeWritten) {
