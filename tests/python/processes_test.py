@@ -81,10 +81,11 @@ time.sleep(0.7)
     assert rc == 0 and "terminate" not in said, (call, rc, said)
 
 # Ctrl-C is heard wherever a training or an evaluation is.
-for call in ("simuli.train(sys.argv[2], '/nowhere/x.scene')", "simuli.evaluate(sys.argv[1], sys.argv[2])"):
+for call in ("simuli.train(sys.argv[2], '/nowhere/x.scene')", "simuli.evaluate(sys.argv[1], sys.argv[2])",
+             "scene.render(simuli.camera('large', 4000, 3000, 2000, 2000, 2000, 1500), time_s=scene.span[0]).image"):
     for after in (0.05, 0.3, 0.8):
         said, rc, _ = child(f"""
-simuli.Device()
+scene = simuli.Scene(sys.argv[1])
 sent = []
 def interrupt():
     sent.append(time.time()); os.kill(os.getpid(), signal.SIGINT)

@@ -144,6 +144,8 @@ class PyFrame : public std::enable_shared_from_this<PyFrame> {
   [[nodiscard]] const Frame& frame() const { return *frame_; }
   [[nodiscard]] DeviceLock lock() const { return DeviceLock(mutex_); }
 
+  /// Until the device has rendered it; hears Ctrl-C meanwhile. With the device's lock.
+  void wait() const;
   [[nodiscard]] py::object tensor(const std::string& name);
   [[nodiscard]] py::object points();
   [[nodiscard]] py::dict cloud(const std::string& in) const;

@@ -1,9 +1,11 @@
 // Frames in Python.
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <fmt/format.h>
 #include <iterator>
 #include <simuli/opencl.h>
+#include <thread>
 
 #include "host/apps/python/bindings.hpp"
 
@@ -63,6 +65,15 @@ PyFrame::~PyFrame() {
   frame_.reset();
 }
 
+void PyFrame::wait() const {
+  if (Device::is_forked()) return;  // what the host has is read there, too; the rest refuses
+  frame().fetch();
+  while (!frame().is_ready()) {
+    signals()();
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  }
+}
+
 std::vector<float> PyFrame::computed(const std::string& name) const {
   if (name == "image") return frame().image().data;
   if (name == "range_m") return frame().lidar().range;
@@ -100,6 +111,7 @@ py::object PyFrame::tensor(const std::string& name) {
   const std::vector<float>* values = nullptr;
   {
     const DeviceLock lock(mutex_);
+    wait();
     if (name == "transmittance") {
       values = &frame().results().transmittance;
     } else if (name == "distance_sum_m") {
@@ -124,6 +136,7 @@ py::object PyFrame::points() {
   shape.push_back(3);
   {
     const DeviceLock lock(mutex_);
+    wait();
     if (!points_) points_ = std::make_shared<const std::vector<Eigen::Vector3d>>(frame().points());
   }
   return array_on(shared_from_this(), points_->data()->data(), std::move(shape));
@@ -132,6 +145,7 @@ py::object PyFrame::points() {
 py::dict PyFrame::cloud(const std::string& in) const {
   const auto cloud = [&] {
     const DeviceLock lock(mutex_);
+    wait();
     return std::make_shared<const PointCloud>(
         point_cloud(frame(), {.frame = point_frame(in), .coordinates = ColumnType::kDouble}));
   }();
@@ -220,6 +234,7 @@ void add_frames(py::module_& m) {
           "wait",
           [](const PyFrame& f) {
             const DeviceLock lock = f.lock();
+            f.wait();
             f.frame().wait();
           },
           "Until the device has made it.")
