@@ -124,8 +124,11 @@ int set_firing_pattern(const std::vector<FiredRun>& runs, Lidar& lidar) {
     told += found.back().every > 0 ? 1 : 0;
     always += found.back().every == 1 ? 1 : 0;
   }
+  const bool has_pattern =
+      std::any_of(lidar.rows.begin(), lidar.rows.end(), [](const LidarRow& row) { return row.every > 1; });
   // Clouds of which each row is thinned tell nothing about the sensor.
-  if (always == told || static_cast<double>(always) < kFewestRuns * static_cast<double>(told)) return 0;
+  if (static_cast<double>(always) < kFewestRuns * static_cast<double>(told)) return 0;
+  if (told == 0 || (always == told && !has_pattern)) return 0;
   lidar.azimuth_first += lidar.spin_sign() * shift * lidar.azimuth_span / lidar.columns;
   int changed = 0;
   for (std::size_t r = 0; r < rows; ++r) {

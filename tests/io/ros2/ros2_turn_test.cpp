@@ -191,6 +191,19 @@ TEST(Ros2Turn, RowsThatFireLessOftenAreFound) {
         ASSERT_TRUE(grid.range[ray] == 0.0F || fires(lidar.model, ray)) << ray;
     }
   }
+  // The same sensor in its coarse resolution: half as many columns, in each of which every row fires.
+  Drive coarse{builtin_lidar("hesai_ot128")};
+  coarse.lidar.rows.resize(50);
+  coarse.sector = 0.3;
+  Ros2Lidar asked = asked_for("hesai_ot128");
+  asked.table = coarse.lidar;
+  for (LidarRow& row : coarse.lidar.rows) row.every = 1, row.first = 0;
+  coarse.lidar.columns /= 2;
+  const ros2::RecordedLidar lidar = ros2::fit_recorded(
+      asked, sweeps_of(coarse), coarse.lidar.sweep_s, ros2::Stamp::kStart, "drive.mcap", "/points");
+  EXPECT_EQ(lidar.model.columns, coarse.lidar.columns);
+  for (const LidarRow& row : lidar.model.rows) EXPECT_EQ(row.every, 1);
+
   // A row of which the filter of a driver left every second point is no such sensor where all are.
   Drive thinned{builtin_lidar("hesai_xt16")};
   thinned.every = 8;
