@@ -287,6 +287,10 @@ const LogLidar* SceneFile::find_lidar(const std::string& name) const {
   return found == lidars.end() ? nullptr : &*found;
 }
 
+std::string broken_particles(Eigen::Index count) {
+  return fmt::format("{} particles with NaN, Inf or a zero quaternion", count);
+}
+
 namespace {
 
 SceneFile in_order(SceneFile file) {
@@ -295,12 +299,6 @@ SceneFile in_order(SceneFile file) {
 }
 
 }  // namespace
-
-SceneFile read_scene(const fs::path& folder, Eigen::Index& left_out) {
-  left_out = 0;
-  if (!is_splat_file(folder)) return read_scene(folder);
-  return in_order(scene_of_splats(read_splats(folder, &left_out), folder));
-}
 
 SceneFile read_scene(const fs::path& folder) {
   if (is_splat_file(folder)) return in_order(scene_of_splats(folder));

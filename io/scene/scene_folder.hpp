@@ -25,6 +25,7 @@ struct SceneFile {
   Trajectory world_from_rig;  // may be empty
   /// When the frames were recorded that it was made of, by sensor; none of a version that didn't say.
   FrameSpans recorded_frames = {};
+  Eigen::Index left_out = 0;  // broken particles of a file of splats, as read_splats() counts them
   /// How the scene was made; nothing of a scene that wasn't trained, or by a version that didn't say.
   std::optional<TrainingRecord> training = {};
   /// What it keeps of those frames, to tell how well it knows what it shows; null of a scene that doesn't.
@@ -35,11 +36,12 @@ struct SceneFile {
   [[nodiscard]] const LogLidar* find_lidar(const std::string& name) const;
 };
 
+/// Those that are left out, for messages: "2 particles with NaN, Inf or a zero quaternion".
+[[nodiscard]] std::string broken_particles(Eigen::Index count);
+
 /// Reads a scene folder, or a file of splats (scene_of_splats()). Unknown keys are errors, as are counts or
 /// SH degrees other than scene.json says. Errors as in io/log/log.hpp.
 [[nodiscard]] SceneFile read_scene(const std::filesystem::path& folder);
-/// The same; broken particles of a file of splats are left out and counted, as read_splats() does.
-[[nodiscard]] SceneFile read_scene(const std::filesystem::path& folder, Eigen::Index& left_out);
 /// Writes the folder beside its place and puts it there in one step, in the place of an older scene: whatever
 /// happens meanwhile, one of the two is there and whole. Error{kInput} for what could not be read back, and
 /// for a folder with anything but a scene in it.

@@ -55,7 +55,10 @@ bool is_splat_file(const fs::path& file) {
 }
 
 SceneFile scene_of_splats(const fs::path& file, const SplatPlacement& placement) {
-  return scene_of_splats(read_splats(file), file, placement);
+  Eigen::Index left_out = 0;
+  SceneFile out = scene_of_splats(read_splats(file, &left_out), file, placement);
+  out.left_out = left_out;
+  return out;
 }
 
 SceneFile scene_of_splats(GaussianSet splats, const fs::path& file, const SplatPlacement& placement) {

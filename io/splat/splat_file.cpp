@@ -19,6 +19,8 @@ GaussianSet read_splats(const std::filesystem::path& file, Eigen::Index* left_ou
 
 GaussianSet read_splats(std::string bytes, const std::filesystem::path& file, Eigen::Index* left_out) {
   const std::string extension = file.extension().string(), name = file.string();
+  if (has_other_splat_extension(file))
+    throw_input_error(name, "splats", extension, ".ply (also SuperSplat's compressed), .spz or .glb");
   GaussianSet set = extension == ".spz"   ? read_spz(std::move(bytes), name)
                     : extension == ".glb" ? read_glb(bytes, name)
                                           : parse_gaussians_ply(bytes, SetKind::kCamera, name);
@@ -38,6 +40,11 @@ GaussianSet read_splats(std::string bytes, const std::filesystem::path& file, Ei
 bool has_splat_extension(const std::filesystem::path& file) {
   const std::filesystem::path extension = file.extension();
   return extension == ".ply" || extension == ".spz" || extension == ".glb";
+}
+
+bool has_other_splat_extension(const std::filesystem::path& file) {
+  const std::filesystem::path extension = file.extension();
+  return extension == ".splat" || extension == ".ksplat" || extension == ".sog";
 }
 
 void write_splats(const std::filesystem::path& file, const GaussianSet& set, const SplatOutput& how) {

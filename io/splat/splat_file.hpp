@@ -34,6 +34,8 @@ struct SplatOutput {
 void write_splats(const std::filesystem::path& file, const GaussianSet& set, const SplatOutput& how = {});
 /// Whether read_splats() takes files of that name: .ply, .spz or .glb.
 [[nodiscard]] bool has_splat_extension(const std::filesystem::path& file);
+/// Whether it is called as splats of formats that are not read are: .splat, .ksplat, .sog.
+[[nodiscard]] bool has_other_splat_extension(const std::filesystem::path& file);
 /// ".ply, .spz or .glb", for messages.
 inline constexpr char kSplatExtensions[] = ".ply, .spz or .glb";
 

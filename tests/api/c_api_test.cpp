@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "io/base/file.hpp"
 #include "tests/api/small_scene.hpp"
+#include "tests/io/ascii_ply.hpp"
 
 namespace simuli {
 namespace {
@@ -372,6 +374,15 @@ TEST_F(CApi, ParticlesGoOutAndIn) {
                "particles");
   expect_error(
       simuli_scene_set_particles(scene_, 0, 1, values_of_set.data(), columns), SIMULI_USAGE, "rows: found 1");
+}
+
+TEST_F(CApi, CountsBrokenSplats) {
+  EXPECT_EQ(simuli_scene_left_out(scene_), 0U);
+  EXPECT_EQ(simuli_scene_left_out(nullptr), 0U);
+  const std::string path = (folder_ / "a.ply").string();
+  write_file_atomically(path, test::half_broken_ply());
+  ASSERT_EQ(simuli_scene_open(device_, path.c_str(), &scenes_.emplace_back()), SIMULI_OK) << simuli_error();
+  EXPECT_EQ(simuli_scene_left_out(scenes_.back()), 1U);
 }
 
 TEST_F(CApi, SaysWhatIsWrong) {

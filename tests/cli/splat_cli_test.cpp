@@ -41,7 +41,8 @@ class SplatCli : public Cli {
 TEST_F(SplatCli, OtherFilesOfSplatsAreToldApart) {
   make_block("red.ply", {0.9F, 0.1F, 0.2F});
   fs::copy(folder_ / "red.ply", folder_ / "red.splat");
-  expect_failure("info red.splat", kInput, "found .splat, allowed .ply");
+  for (const char* command : {"info red.splat", "import splat red.splat -o r.scene"})
+    expect_failure(command, kInput, "found .splat, allowed .ply");
   fs::copy(folder_ / "red.ply", folder_ / "red.mcap");
   expect_failure(
       "info red.mcap", kInput, "found a recording, allowed a log made of it by simuli import mcap");

@@ -27,4 +27,10 @@ inline std::string ascii_ply(const std::string& extra_header = "",
   return text + extra_header + "end_header\n" + values;
 }
 
+/// Two particles, of which one is broken.
+inline std::string half_broken_ply() {
+  std::string text = ascii_ply("", "1 2 3 4 5 6 7 8 9 10 1 0 0 0\n1 2 nan 4 5 6 7 8 9 10 1 0 0 0\n");
+  return text.replace(text.find("vertex 1"), 8, "vertex 2");
+}
+
 }  // namespace simuli::test

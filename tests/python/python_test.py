@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+import warnings
 
 import numpy as np
 import simuli
@@ -314,6 +315,16 @@ assert scene.render(name, time_s=start_s).opacity.max() < 1e-3
 scene.set_particles(particles)
 
 nan = float("nan")
+names = ["x", "y", "z", *(f"f_dc_{i}" for i in range(3)), "opacity", *(f"scale_{i}" for i in range(3)),
+         *(f"rot_{i}" for i in range(4))]
+pathlib.Path(work, "broken.ply").write_text(
+    "ply\nformat ascii 1.0\nelement vertex 2\n" + "".join(f"property float {name}\n" for name in names)
+    + "end_header\n" + "1 2 3 4 5 6 7 8 9 10 1 0 0 0\n" + "1 2 nan 4 5 6 7 8 9 10 1 0 0 0\n")
+with warnings.catch_warnings(record=True) as told:
+    warnings.simplefilter("always")
+    assert simuli.Scene(os.path.join(work, "broken.ply")).left_out == 1 and scene.left_out == 0
+assert [str(w.message).partition("broken.ply: ")[2] for w in told] == [
+    "left out: 1 particles with NaN, Inf or a zero quaternion"], told
 refused(lambda: simuli.Scene("/nowhere"), "/nowhere")
 refused(lambda: simuli.Scene(folder, quality="best"), "quality")
 refused(lambda: simuli.Scene(folder, settings=["render.alpha_cut=7"]), "render.alpha_cut")

@@ -5,7 +5,9 @@
 
 #include "host/apps/serve/session/refusal.hpp"
 #include "host/apps/serve/session/render_session.hpp"
+#include "io/base/file.hpp"
 #include "tests/host/expect_error.hpp"
+#include "tests/io/ascii_ply.hpp"
 #include "tests/serve/served_scene.hpp"
 
 namespace simuli::serve {
@@ -196,6 +198,16 @@ TEST_F(Session, GivenUpOnSeveralDevicesEndsOnAll) {
     session.render(*scene, jobs, [&] { return frames > 4; });
   });
   EXPECT_LT(frames, 12);
+}
+
+TEST_F(Session, TellsOfBrokenSplats) {
+  write_file_atomically(scratch_ / "a.ply", test::half_broken_ply());
+  SessionOptions some = options();
+  some.scenes = scene_sources({(scratch_ / "a.ply").string()});
+  std::vector<std::string> told;
+  some.note = [&](const std::string& text) { told.push_back(text); };
+  EXPECT_EQ(RenderSession(some).open("a")->scene().camera.size(), 1);
+  EXPECT_EQ(told, std::vector<std::string>{"a: left out: " + broken_particles(1)});
 }
 
 TEST_F(Session, TellsOfScenesThatAreNone) {

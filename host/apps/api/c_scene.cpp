@@ -61,6 +61,10 @@ simuli_status simuli_scene_save(const simuli_scene* scene, const char* folder) {
 
 void simuli_scene_close(simuli_scene* scene) { delete scene; }
 
+size_t simuli_scene_left_out(const simuli_scene* scene) {
+  return scene == nullptr ? 0 : static_cast<size_t>(scene->file.left_out);
+}
+
 simuli_status simuli_scene_set_options(simuli_scene* scene, const simuli_options* options) {
   return guarded([&] {
     need(scene, "scene").options = render_options(capi::quality_of(options), capi::settings_of(options));

@@ -110,11 +110,13 @@ simuli_status simuli_evaluate(const simuli_device* device,
 
 /* ---- Scenes and their sensors ---- */
 
-/* Reads a scene folder. The scene keeps its device: that may be closed at once. */
+/* Reads a scene folder or a file of splats. The scene keeps its device: that may be closed at once. */
 simuli_status simuli_scene_open(const simuli_device* device, const char* folder, simuli_scene** scene);
 /* Writes it with all edits; the sensors of its log stay as they were. */
 simuli_status simuli_scene_save(const simuli_scene* scene, const char* folder);
 void simuli_scene_close(simuli_scene* scene);
+/* Of a file of splats: how many particles with NaN, Inf or a zero quaternion are left out. */
+size_t simuli_scene_left_out(const simuli_scene* scene);
 /* How frames are rendered from now on. */
 simuli_status simuli_scene_set_options(simuli_scene* scene, const simuli_options* options);
 

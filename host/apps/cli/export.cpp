@@ -57,8 +57,7 @@ Export of_splats(const ExportCommand& command) {
   if (command.lidar) return {read_gaussians_ply(command.input, SetKind::kLidar)};
   Eigen::Index broken = 0;
   Export out{read_splats(command.input, &broken)};
-  if (broken > 0)
-    out.left_out.push_back(fmt::format("{} particles with NaN, Inf or a zero quaternion", broken));
+  if (broken > 0) out.left_out.push_back(broken_particles(broken));
   return out;
 }
 

@@ -21,6 +21,11 @@ class PyScene {
     const RenderOptions options = render_options(quality, settings);
     file_ = read_scene(folder);
     rig_ = SensorRig(file_);
+    if (file_.left_out > 0) {
+      const std::string text =
+          fmt::format("{}: left out: {}", folder.string(), broken_particles(file_.left_out));
+      if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) < 0) throw py::error_already_set();
+    }
     scene_ = std::make_shared<const Scene>(std::exchange(file_.scene, {}));
     options_ = options;
     on_device_.emplace(device_.device, scene_, options);
@@ -48,6 +53,7 @@ class PyScene {
     const bool is_own = rig_.has(sensor.name()) && rig_.find(sensor.name()).has_rays_of(sensor);
     return is_mounted || is_own ? sensor : rig_.in_place(sensor);
   }
+  [[nodiscard]] Eigen::Index left_out() const { return file_.left_out; }
   [[nodiscard]] const FrameSpans& recorded_frames() const { return file_.recorded_frames; }
   [[nodiscard]] const Trajectory& path() const {
     if (!file_.world_from_rig.poses().empty()) return file_.world_from_rig;
@@ -408,6 +414,10 @@ void add_scenes(py::module_& m) {
           "recorded_frames",
           [](const PyScene& s) { return spans_of(s.recorded_frames()); },
           "start and end of each frame that was recorded, s, by sensor")
+      .def_property_readonly(
+          "left_out",
+          &PyScene::left_out,
+          "of a file of splats: particles with NaN, Inf or a zero quaternion, with a warning")
       .def(
           "world_from_rig",
           [](const PyScene& s, double time_s) { return array_of(s.path().at(finite(time_s, "time_s"))); },

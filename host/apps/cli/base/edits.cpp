@@ -46,11 +46,9 @@ Mounting parse_mounting(const char* option, const std::string& text) {
 }
 
 SceneFile read_told_scene(const std::filesystem::path& path) {
-  Eigen::Index left_out = 0;
-  SceneFile scene = read_scene(path, left_out);
-  if (left_out > 0)
-    std::cerr << fmt::format("simuli: note: left out: {} particles with NaN, Inf or a zero quaternion\n",
-                             left_out);
+  SceneFile scene = read_scene(path);
+  if (scene.left_out > 0)
+    std::cerr << fmt::format("simuli: note: left out: {}\n", broken_particles(scene.left_out));
   return scene;
 }
 

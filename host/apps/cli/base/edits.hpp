@@ -27,7 +27,7 @@ struct Edits {
 /// "X,Y,Z,ROLL,PITCH,YAW", m and degrees. Error{kUsage} naming `option` for anything else.
 [[nodiscard]] Mounting parse_mounting(const char* option, const std::string& text);
 
-/// read_scene() without the broken particles of a file of splats; a note on stderr says how many.
+/// read_scene(); a note on stderr says how many broken particles of a file of splats that left out.
 [[nodiscard]] SceneFile read_told_scene(const std::filesystem::path& path);
 
 void add_edit_options(Command sub, Edits& edits);

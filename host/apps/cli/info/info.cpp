@@ -106,12 +106,8 @@ void info(const InfoOptions& options, bool json) {
             "{} is a sensor: found \"{}\" behind it, allowed nothing", options.target, options.sensor));
   }
   std::error_code ignored;
-  if (is_splat_file(target) && is_there(target)) return print_splats(target, json);
-  for (const char* other : {".splat", ".ksplat", ".sog"}) {
-    if (target.extension() == other && is_there(target)) {
-      throw_input_error(options.target, "splats", other, ".ply (also SuperSplat's compressed) or .spz");
-    }
-  }
+  if ((is_splat_file(target) || has_other_splat_extension(target)) && is_there(target))
+    return print_splats(target, json);
   if (target.extension() == ".mcap" && is_there(target)) {
     throw_input_error(options.target,
                       "file",

@@ -47,8 +47,7 @@ void print_splats(const std::filesystem::path& file, bool json) {
     return;
   }
   std::cout << fmt::format("splats {}\n", file.string()) << set_text("camera", set);
-  if (left_out > 0)
-    std::cout << fmt::format("  {} particles left out: NaN, Inf or a zero quaternion\n", left_out);
+  if (left_out > 0) std::cout << fmt::format("  left out: {}\n", broken_particles(left_out));
   if (set.size() == 0) return;
   const Eigen::AlignedBox3f box = bounds_of(set);
   std::cout << fmt::format("  from {:.2f}, {:.2f}, {:.2f} to {:.2f}, {:.2f}, {:.2f} in its own units\n",

@@ -62,6 +62,7 @@ void serve_scenes(const ServeCommand& command, const Globals& globals) {
   of_session.devices = devices_of(globals.device);
   of_session.render = options_of(globals.quality);
   fields_of(of_session.render).apply(command.settings);
+  of_session.note = [](const std::string& text) { std::cerr << "simuli: note: " + text + '\n'; };
   of_session.cache_size = static_cast<std::size_t>(command.cache_size);
   const serve::EgoMasks ego_masks =
       command.ego_masks.empty() ? serve::EgoMasks() : serve::EgoMasks(command.ego_masks);

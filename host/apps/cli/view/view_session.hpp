@@ -50,8 +50,8 @@ class ViewSession : public ViewAnswers {
   /// ends. JSON: its name. Error{kUsage} for actors that are not there, and while a training runs.
   [[nodiscard]] std::string duplicate(const std::string& json) override;
   /// The splats of a file whose contents these are as an actor, which stands 10 m ahead of the rig at that
-  /// time. JSON: its name, after the file's, and how far it is moved from where `--add` puts it. Errors as
-  /// duplicate() and read_splats().
+  /// time. JSON: its name, after the file's, how far it is moved from where `--add` puts it, and what was left
+  /// out, or "". Errors as duplicate() and read_splats().
   [[nodiscard]] std::string add(const std::string& file_name,
                                 const std::string& bytes,
                                 double time_s) override;

@@ -46,6 +46,8 @@ RenderSession::ScenePtr RenderSession::owned(std::unique_ptr<ServedScene> scene)
 
 RenderSession::ScenePtr RenderSession::read(const SceneSource& source) const {
   auto scene = std::make_unique<ServedScene>(source);
+  if (scene->left_out() > 0 && options_.note)
+    options_.note(fmt::format("{}: left out: {}", source.id, broken_particles(scene->left_out())));
   std::vector<SceneEdit> edits;
   {
     const std::lock_guard lock(mutex_);

@@ -23,9 +23,10 @@ namespace simuli::serve {
 
 struct SessionOptions {
   std::vector<SceneSource> scenes;
-  std::vector<std::string> devices = {""};  // each as Device::best() takes it; at least one
-  RenderOptions render = {};                // of all frames
-  std::size_t cache_size = 4;               // scenes that are kept: those used last
+  std::vector<std::string> devices = {""};            // each as Device::best() takes it; at least one
+  RenderOptions render = {};                          // of all frames
+  std::size_t cache_size = 4;                         // scenes that are kept: those used last
+  std::function<void(const std::string&)> note = {};  // of scenes that are read; from any thread
 };
 
 /// One frame of a batch. What goes wrong with it stays with it.

@@ -84,21 +84,22 @@ async function duplicate(name) {
   await reload();
 }
 
-// Splats dropped anywhere on the page: an actor ahead of the rig.
+// Splats dropped anywhere on the page: an actor ahead of the rig. What to say of them.
 async function addSplats(file) {
   const query = new URLSearchParams({file: file.name, time_s: state.time});
-  const {actor, moved_m} = await (await call(`api/add?${query}`, file)).json();
+  const {actor, moved_m, left_out} = await (await call(`api/add?${query}`, file)).json();
   settle();
   addedNow(actor);
   state.edits.moved[actor] = moved_m;
   settle();
   await reload();
+  return left_out ? `${file.name}: left out: ${left_out}` : '';
 }
 addEventListener('dragover', e => e.preventDefault());
 addEventListener('drop', async e => {
   e.preventDefault();
   for (const file of e.dataTransfer.files) {
     say(`adding ${file.name} ...`);
-    await addSplats(file).then(() => say(''), error => say(error.message));
+    await addSplats(file).then(say, error => say(error.message));
   }
 });
