@@ -231,6 +231,8 @@ def main():
         if field:
             good &= np.isfinite(columns[field])
         left_out += int((~good).sum())
+        if not good.any():
+            continue
         xyz = xyz[good]
         bright = columns.get(next((k for k in INTENSITY if k in columns), ""), np.zeros(len(good)))[good]
         start_ns = stamp_ns if args.stamp == "start" else stamp_ns - sweep_ns
@@ -253,6 +255,8 @@ def main():
             own = path.to_sensor(xyz, start_ns + time_s * 1e9, rig_from_lidar) if args.deskewed else xyz
             turns.append(spin(np.arctan2(own[:, 1], own[:, 0]), time_s / args.sweep))
         folder.sweep(args.name, xyz, bright / told[0], time_s, start_ns, start_ns + sweep_ns)
+    if told is None:
+        sys.exit(f"{args.clouds}: points: found none with a place and a time")
     entry = {"table": args.lidar}
     if args.lidar.endswith(".json"):  # what it is, without what the file says about itself
         table = json.loads(pathlib.Path(args.lidar).read_text())

@@ -186,6 +186,10 @@ ahead = work / "ahead.txt"
 ahead.write_text("".join(f"1 0 0 {i} 0 1 0 0 0 0 1 0\n" for i in range(5)))
 run = convert(plain, ahead, work / "plain_out", "--lidar", TABLE)
 assert run.returncode == 0 and "5 points without a place or a time" in run.stdout, (run.stdout, run.stderr)
+write_pcd(plain / "13.pcd", "binary", {"x": ("f4", [1.0]), "y": ("f4", [1.0]), "z": ("f4", [0.0]), "t": ("f4", [np.nan])})
+ahead.write_text(ahead.read_text() + "1 0 0 5 0 1 0 0 0 0 1 0\n")
+run = convert(plain, ahead, work / "plain_out_6", "--lidar", TABLE)
+assert run.returncode == 0 and "6 points without a place or a time" in run.stdout, (run.stdout, run.stderr)
 order = [np.fromfile(f, "<f4")[0] for f in sorted((work / "plain_out").rglob("*.bin"))]
 assert order == [1, 2, 3, 4, 5], order
 
