@@ -25,11 +25,35 @@ Log make_log(const std::filesystem::path& output, Log& log, const std::function<
 }
 
 Log make_import(const std::filesystem::path& output, Log& log, const std::function<void()>& fill) {
-  return make_log(output, log, [&] {
+  const auto filled = [&] {
     fill();
     if (log.images.empty() && log.sweeps.empty())
-      throw_nothing_left(output.string(), "pictures and sweeps", "none", "at least one that is left");
-  });
+      throw_nothing_left(log.name, "pictures and sweeps", "none", "at least one that is left");
+  };
+  if (!output.empty()) return make_log(output, log, filled);
+  log.folder.clear();
+  filled();
+  return log;
+}
+
+void put_sweep(const Log& log, const std::string& file, const Sweep& sweep) {
+  put_file(log, file, [&](const std::filesystem::path& to) { write_sweep(to, sweep); });
+}
+
+void put_picture(const Log& log,
+                 const std::filesystem::path& from,
+                 const std::string& file,
+                 const Camera& camera,
+                 const std::string& source) {
+  put_file(log, file, [&](const std::filesystem::path& to) { copy_picture(from, to, camera, source); });
+}
+
+void put_file(const Log& log,
+              const std::string& file,
+              const std::function<void(const std::filesystem::path&)>& write) {
+  if (log.folder.empty()) return;
+  std::filesystem::create_directories((log.folder / file).parent_path());
+  write(log.folder / file);
 }
 
 }  // namespace simuli

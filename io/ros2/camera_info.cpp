@@ -145,8 +145,8 @@ Camera camera_of(const CameraInfoMessage& info,
   const auto known = std::find(lens_names().begin(), lens_names().end(), model);
   if ((model.empty() || model == "none" || model == kPlumbBob || model == kRational) && is_undistorted) {
     d.clear();
-  } else if (model == kPlumbBob || model == kRational) {
-    // Drivers write OpenCV's vector of any length under either name; what is behind its end is zero.
+  } else if (model.empty() || model == kPlumbBob || model == kRational) {
+    // Drivers write OpenCV's vector of any length under either name or none; what is behind its end is zero.
     constexpr std::array<std::size_t, 5> kOpencvCounts{4, 5, 8, 12, 14};
     if (std::find(kOpencvCounts.begin(), kOpencvCounts.end(), d.size()) == kOpencvCounts.end())
       refuse("d", fmt::format("{} values", d.size()), "4, 5, 8, 12 or 14 of " + model);
@@ -155,7 +155,7 @@ Camera camera_of(const CameraInfoMessage& info,
     if (d[12] != 0.0 || d[13] != 0.0) refuse("d", "a tilted sensor", "0 for tau_x and tau_y");
     d.resize(lens_parameter_names(kind).size() - 1);
     d.push_back(kPi);
-  } else if (model == kEquidistant || model == "kannala_brandt" || model == "fisheye") {
+  } else if (model == kEquidistant || model.starts_with("kannala_brandt") || model == "fisheye") {
     need(kEquidistantCount);
     kind = LensKind::kOpencvFisheye;
     d.push_back(kPi);

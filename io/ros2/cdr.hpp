@@ -56,6 +56,8 @@ class CdrReader {
  public:
   CdrReader(std::string_view message, std::string file, std::string where)
       : file_(std::move(file)), where_(std::move(where)) {
+    if (message.starts_with("\x28\xb5\x2f\xfd"))
+      refuse("message", "compressed by itself with Zstandard", "a plain one: ros2 bag convert");
     if (message.size() < kHead || message[0] != '\0' || message[1] != '\1')
       refuse("first bytes", "others", "0 1: CDR, version 1, little endian");
     bytes_ = message.substr(kHead);

@@ -308,13 +308,13 @@ Log import_kitti(const KittiOptions& options,
         if (!recorders[c].has(i)) continue;
         const Camera& camera = log.cameras[c].model;
         const std::string file = fmt::format("images/{}_{:010}.png", camera.name, i);
-        copy_picture(recorders[c].file(i), log.folder / file, camera, "S_rect_" + camera.name.substr(6));
+        put_picture(log, recorders[c].file(i), file, camera, "S_rect_" + camera.name.substr(6));
         const double time_s = seconds(picture_ns[c][i]);
         log.images.push_back({camera.name, file, time_s, time_s});
       }
       if (velodyne.has(i)) {
         const std::string file = fmt::format("sweeps/{:010}.exr", i);
-        write_sweep(log.folder / file, read_turn(velodyne.file(i), lidar, counts));
+        put_sweep(log, file, read_turn(velodyne.file(i), lidar, counts));
         log.sweeps.push_back({lidar.name, file, seconds(times.start[i]), seconds(times.end[i])});
       }
       if (progress) progress(i - frames.first + 1, frames.last - frames.first + 1);

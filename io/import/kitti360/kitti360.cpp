@@ -202,14 +202,14 @@ Log import_kitti360(const Kitti360Options& options,
     for (const Recording& sweep : sweeps) {
       const Lidar& lidar = log.lidars[0].with_rows();
       const std::string file = fmt::format("sweeps/{:010}.exr", sweep.frame);
-      write_sweep(log.folder / file, kitti::read_turn(sweep.file, lidar, report.points));
+      put_sweep(log, file, kitti::read_turn(sweep.file, lidar, report.points));
       log.sweeps.push_back({lidar.name, file, sweep.start_s, sweep.end_s});
       step();
     }
     for (std::size_t c = 0; c < cameras.size(); ++c) {
       for (const Recording& picture : pictures[c]) {
         const std::string file = fmt::format("images/{}_{:010}.png", names[c], picture.frame);
-        copy_picture(picture.file, log.folder / file, log.cameras[c].model, "calibration");
+        put_picture(log, picture.file, file, log.cameras[c].model, "calibration");
         log.images.push_back({names[c], file, picture.start_s, picture.end_s});
         step();
       }

@@ -200,15 +200,16 @@ class Importer {
         throw_input_error(image.file(), "format", "neither", "PNG or JPEG");
       const std::string file =
           fmt::format("images/{}_{:06}.{}", camera.name, number++, is_png ? "png" : "jpg");
-      write_file_atomically(log_.folder / file, bytes);
-      const Image decoded =
-          with_context("reading " + image.file(), [&] { return read_image(log_.folder / file); });
-      if (decoded.width != camera.width || decoded.height != camera.height) {
-        throw_input_error(image.file(),
-                          "size_px",
-                          fmt::format("{} x {}", decoded.width, decoded.height),
-                          fmt::format("{} x {} of its intrinsics", camera.width, camera.height));
-      }
+      put_file(log_, file, [&](const fs::path& to) {
+        write_file_atomically(to, bytes);
+        const Image decoded = with_context("reading " + image.file(), [&] { return read_image(to); });
+        if (decoded.width != camera.width || decoded.height != camera.height) {
+          throw_input_error(image.file(),
+                            "size_px",
+                            fmt::format("{} x {}", decoded.width, decoded.height),
+                            fmt::format("{} x {} of its intrinsics", camera.width, camera.height));
+        }
+      });
       log_.images.push_back({camera.name, file, start_s, end_s});
     }
   }
@@ -241,7 +242,7 @@ class Importer {
         sweep.range[i] = stated_range(lidar.model, sweep.rays, i, sweep.range[i]);
       }
       report_.rays += sweep.range.size();
-      write_sweep(log_.folder / out.file, sweep);
+      put_sweep(log_, out.file, sweep);
       log_.sweeps.push_back(std::move(out));
       ++number;
     }
@@ -278,8 +279,7 @@ class Importer {
       const std::string bytes = read_zarr_array(*at->store, (*at / name).path).bytes;
       if (!bytes.starts_with("\x89PNG")) throw_input_error((*at / name).file(), "format", "another", "PNG");
       const std::string file = fmt::format("masks/{}/{}.png", camera, name);
-      fs::create_directories((log_.folder / file).parent_path());
-      write_file_atomically(log_.folder / file, bytes);
+      put_file(log_, file, [&](const fs::path& to) { write_file_atomically(to, bytes); });
       log_.masks.push_back({camera, file});
       report_.notes.push_back(fmt::format(
           "mask {} of camera {}: pictures are neither learned from nor compared where {} is not 0",

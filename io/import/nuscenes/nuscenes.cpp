@@ -284,7 +284,7 @@ Log import_nuscenes(const NuscenesOptions& options,
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       const Recording& r = *pictures[i];
       const std::string file = fmt::format("images/{}_{:06}.jpg", r.channel, i);
-      copy_picture(options.root / r.file, log.folder / file, log.camera(r.channel).model, "sample_data.json");
+      put_picture(log, options.root / r.file, file, log.camera(r.channel).model, "sample_data.json");
       log.images.push_back({r.channel, file, seconds(&r), seconds(&r)});
       step();
     }
@@ -295,7 +295,7 @@ Log import_nuscenes(const NuscenesOptions& options,
           (log.world_from_rig.at(starts_s[i]) * mount).inverse() * (log.world_from_rig.at(ends_s[i]) * mount);
       const Sweep sweep =
           nuscenes::read_turn(options.root / turns[i]->file, log.lidars[0].with_rows(), start_from_end);
-      write_sweep(log.folder / file, sweep);
+      put_sweep(log, file, sweep);
       report.rays += sweep.range.size();
       report.returned += static_cast<std::size_t>(
           std::count_if(sweep.range.begin(), sweep.range.end(), [](float r) { return r > 0.0F; }));

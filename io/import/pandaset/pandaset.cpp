@@ -346,11 +346,11 @@ class Importer {
       const std::vector<MeasuredPoint> seen = measured(own->second, lidar.rig_from_lidar, span);
       const std::string name = fmt::format("sweeps/{}_{:06}.exr", name_of(lidar.model), number);
       if (is_list) {
-        write_sweep(log_.folder / name, listed(seen));
+        put_sweep(log_, name, listed(seen));
       } else {
         Lidar model = lidar.with_rows();
         model.sweep_s = kUsualSweep_s;
-        write_sweep(log_.folder / name, grid_points(seen, model, report_.points));
+        put_sweep(log_, name, grid_points(seen, model, report_.points));
       }
       log_.sweeps.push_back({name_of(lidar.model), name, span.first, span.second});
     }
@@ -392,7 +392,7 @@ class Importer {
       validate(camera, (picture.file.parent_path() / "intrinsics.json").string());
     }
     const std::string name = fmt::format("images/{}_{:06}.jpg", picture.camera, picture.number);
-    copy_picture(picture.file, log_.folder / name, camera, picture.camera + "'s first picture");
+    put_picture(log_, picture.file, name, camera, picture.camera + "'s first picture");
     const double stamp_s = frame_.seconds(stamps_.at(picture.camera)[picture.number]);
     log_.images.push_back({picture.camera, name, stamp_s + kReadFrom_s, stamp_s + kReadTo_s});
   }
@@ -409,8 +409,7 @@ class Importer {
         for (int x = 0; x < model.width; ++x) mask.at(x, y, 0) = 1.0F;
       }
       const std::string name = fmt::format("masks/{}/vehicle.png", model.name);
-      fs::create_directories((log_.folder / name).parent_path());
-      write_image(log_.folder / name, mask);
+      put_file(log_, name, [&](const fs::path& to) { write_image(to, mask); });
       log_.masks.push_back({model.name, name});
       report_.hidden.push_back(fmt::format("{}: rows {} to {}", model.name, from, model.height - 1));
     }

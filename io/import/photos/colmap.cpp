@@ -9,6 +9,7 @@
 #include <iterator>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -33,7 +34,7 @@ struct Model {
   std::size_t focals;
   LensKind lens;
 };
-constexpr std::array<Model, 10> kModels{{{"SIMPLE_PINHOLE", 3, 1, LensKind::kPinhole},
+constexpr std::array<Model, 11> kModels{{{"SIMPLE_PINHOLE", 3, 1, LensKind::kPinhole},
                                          {"PINHOLE", 4, 2, LensKind::kPinhole},
                                          {"SIMPLE_RADIAL", 4, 1, LensKind::kOpencvPinhole},
                                          {"RADIAL", 5, 1, LensKind::kOpencvPinhole},
@@ -42,8 +43,9 @@ constexpr std::array<Model, 10> kModels{{{"SIMPLE_PINHOLE", 3, 1, LensKind::kPin
                                          {"FULL_OPENCV", 12, 2, LensKind::kOpencvPinhole},
                                          {"FOV", 5, 2, LensKind::kPinhole},  // refused: no lens of ours
                                          {"SIMPLE_RADIAL_FISHEYE", 4, 1, LensKind::kOpencvFisheye},
-                                         {"RADIAL_FISHEYE", 5, 1, LensKind::kOpencvFisheye}}};
-constexpr std::size_t kFov = 7;
+                                         {"RADIAL_FISHEYE", 5, 1, LensKind::kOpencvFisheye},
+                                         {"THIN_PRISM_FISHEYE", 12, 2, LensKind::kPinhole}}};  // as FOV
+constexpr std::size_t kFov = 7, kThinPrism = 10;
 
 /// Values one after the other, from a binary file.
 class Bytes {
@@ -85,7 +87,7 @@ Camera make_camera(const std::string& file,
                    std::uint64_t width,
                    std::uint64_t height,
                    const std::vector<double>& p) {
-  if (model >= kModels.size() || model == kFov) {
+  if (model >= kModels.size() || model == kFov || model == kThinPrism) {
     const std::string found =
         model < kModels.size() ? std::string(kModels[model].name) : fmt::format("number {}", model);
     throw_input_error(file,
@@ -173,16 +175,12 @@ struct Posed {
   Pose world_from_camera;
 };
 
-Posed make_posed(const std::string& file,
-                 std::string name,
-                 std::int64_t camera,
-                 const std::array<double, 7>& v) {
+/// Nothing where there is no rotation, or one that is not finite.
+std::optional<Posed> make_posed(std::string name, std::int64_t camera, const std::array<double, 7>& v) {
   const Eigen::Quaterniond q(v[0], v[1], v[2], v[3]);
   const Pose camera_from_world{q.normalized(), {v[4], v[5], v[6]}};
-  if (!(q.norm() > 0.5 && q.norm() < 2.0) || !camera_from_world.translation.allFinite()) {
-    throw_input_error(file, "pose of " + name, "no rotation, or not finite", "a unit quaternion and a place");
-  }
-  return {std::move(name), camera, camera_from_world.inverse()};
+  if (!(q.norm() > 0.5 && q.norm() < 2.0) || !camera_from_world.translation.allFinite()) return {};
+  return Posed{std::move(name), camera, camera_from_world.inverse()};
 }
 
 /// Triples of numbers. An image's own line has ten words, the last one a name.
@@ -192,8 +190,11 @@ bool holds_observations(const std::string& line) {
   return std::distance(std::istream_iterator<std::string>(in), {}) % 3 == 0;
 }
 
-std::vector<Posed> read_images(const fs::path& folder, bool binary) {
+std::vector<Posed> read_images(const fs::path& folder, bool binary, std::size_t& unposed) {
   std::vector<Posed> images;
+  const auto add = [&](std::optional<Posed> image) {
+    image ? images.push_back(std::move(*image)) : static_cast<void>(++unposed);
+  };
   std::array<double, 7> v{};
   if (binary) {
     Bytes in(folder / "images.bin");
@@ -203,7 +204,7 @@ std::vector<Posed> read_images(const fs::path& folder, bool binary) {
       const auto camera = in.next<std::int32_t>();
       std::string name = in.text();
       in.skip(in.next<std::uint64_t>(), 24);  // x, y, point: where it saw points
-      images.push_back(make_posed(in.file(), std::move(name), camera, v));
+      add(make_posed(std::move(name), camera, v));
     }
     return images;
   }
@@ -220,7 +221,8 @@ std::vector<Posed> read_images(const fs::path& folder, bool binary) {
     if (!std::getline(in, name)) {
       refuse_line(file, lines[i], "IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
     }
-    images.push_back(make_posed(file.string(), std::move(name), camera, v));
+    name.erase(name.find_last_not_of(" \t\r") + 1);
+    add(make_posed(std::move(name), camera, v));
     // The next line, blank or not: where it saw points.
     if (++i < lines.size() && !holds_observations(lines[i]))
       refuse_line(
@@ -308,7 +310,7 @@ PhotoSet read_colmap(const ColmapOptions& options) {
     index[id] = set.cameras.size();
     set.cameras.push_back(camera);
   }
-  std::vector<Posed> images = read_images(folder, binary);
+  std::vector<Posed> images = read_images(folder, binary, set.unposed);
   std::sort(
       images.begin(), images.end(), [](const Posed& a, const Posed& b) { return is_before(a.name, b.name); });
   const fs::path photos = find_images(folder, options.images);

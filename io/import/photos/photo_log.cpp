@@ -64,14 +64,19 @@ void keep_present(PhotoSet& set, PhotoReport& report) {
     std::error_code ignored;
     return !fs::is_regular_file(photo.file, ignored);
   };
+  const fs::path first = set.photos.empty() ? "" : set.photos.front().file;
   report.absent = std::erase_if(set.photos, is_absent);
   if (set.photos.empty()) {
     (report.absent > 0 ? throw_nothing_left : throw_input_error)(
-        set.source, "photographs", fmt::format("none of {}", report.absent), "at least one");
+        set.source,
+        "photographs",
+        fmt::format(
+            "none of {}{}", report.absent, first.empty() ? "" : ", of which the first is " + first.string()),
+        "at least one");
   }
 }
 
-void write_points(const PhotoSet& set, double typical_m, const fs::path& file, PhotoReport& report) {
+PointCloud cloud_of(const PhotoSet& set, double typical_m) {
   PointCloud cloud;
   cloud.columns = {"x", "y", "z"};
   cloud.values.resize(static_cast<Eigen::Index>(set.points.size()), 3);
@@ -81,8 +86,7 @@ void write_points(const PhotoSet& set, double typical_m, const fs::path& file, P
     cloud.values.row(row++) = p;
   }
   cloud.values.conservativeResize(row, 3);
-  write_point_cloud(file, cloud);
-  report.points = static_cast<std::size_t>(row);
+  return cloud;
 }
 
 }  // namespace
@@ -119,6 +123,7 @@ Log write_photo_log(PhotoSet set,
   keep_present(set, report);
   report.photos = set.photos.size();
   report.masked = set.masked;
+  report.unposed = set.unposed;
   report.metres_per_unit = metres_per_unit > 0.0 ? metres_per_unit : usual_scale(set);
   const Eigen::Quaterniond turn = set.level ? levelled(set) : Eigen::Quaterniond::Identity();
   // Around the middle of the photographs, so that float coordinates of points are exact enough.
@@ -140,7 +145,10 @@ Log write_photo_log(PhotoSet set,
   for (Eigen::Vector3d& p : set.points) p = placed(p);
 
   Log log;
-  log.name = name_from((fs::current_path() / output).lexically_normal().stem().string());
+  log.name = name_from((fs::current_path() / (output.empty() ? fs::path(set.source) : output))
+                           .lexically_normal()
+                           .stem()
+                           .string());
   log.world_from_rig = Trajectory(std::move(path));
   for (const Camera& camera : set.cameras) log.cameras.push_back({camera, {kForwardFromCamera, {0, 0, 0}}});
   return make_import(output, log, [&] {
@@ -148,13 +156,15 @@ Log write_photo_log(PhotoSet set,
       const Photo& photo = set.photos[i];
       const Camera& camera = set.cameras[photo.camera];
       const std::string file = fmt::format("images/{:06}{}", i, photo.file.extension().string());
-      copy_picture(photo.file, log.folder / file, camera, "camera " + camera.name);
+      put_picture(log, photo.file, file, camera, "camera " + camera.name);
       log.images.push_back({camera.name, file, static_cast<double>(i), static_cast<double>(i)});
       if (progress) progress(i + 1, set.photos.size());
     }
     if (!set.points.empty()) {
       log.points = "points.ply";
-      write_points(set, farthest_m, log.folder / log.points, report);
+      const PointCloud cloud = cloud_of(set, farthest_m);
+      report.points = static_cast<std::size_t>(cloud.values.rows());
+      put_file(log, log.points, [&](const fs::path& to) { write_point_cloud(to, cloud); });
     }
   });
 }

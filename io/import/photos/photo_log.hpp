@@ -23,6 +23,7 @@ struct PhotoSet {
   std::vector<Camera> cameras;
   std::vector<Photo> photos;            // in an order in which neighbours see the same things
   std::vector<Eigen::Vector3d> points;  // seen by several photographs; may be empty
+  std::size_t unposed = 0;              // photographs whose pose is none; left out
   std::size_t masked = 0;               // photographs with a mask of their own, which is left out
   bool level = false;                   // turn the world so that the photographs' mean "up" is +z
 };
@@ -30,6 +31,7 @@ struct PhotoSet {
 struct PhotoReport {
   std::size_t photos = 0;
   std::size_t absent = 0;  // named by the source, but not there
+  std::size_t unposed = 0; // whose pose is none; left out
   std::size_t masked = 0;  // with a mask of their own, which is left out
   std::size_t points = 0;
   double metres_per_unit = 1.0;

@@ -263,7 +263,7 @@ Log import_points(const PointsOptions& options,
       std::vector<MeasuredPoint> points = read_points(options.folder / sweep.file, layout, lidar);
       if (layout.in_world) put_into_sensor(points, sweep, log);
       sweep.file = fmt::format("sweeps/{:06}.exr", i);
-      write_sweep(log.folder / sweep.file, grid_points(points, lidar, report));
+      put_sweep(log, sweep.file, grid_points(points, lidar, report));
       step();
     }
     need_placed(report, source.string());
@@ -271,13 +271,13 @@ Log import_points(const PointsOptions& options,
       ImageFrame& image = log.images[i];
       const fs::path from = options.folder / image.file;
       image.file = fmt::format("images/{:06}{}", i, from.extension().string());
-      copy_picture(from, log.folder / image.file, log.camera(image.camera).model, source.string());
+      put_picture(log, from, image.file, log.camera(image.camera).model, source.string());
       step();
     }
     if (!log.points.empty()) {
       const fs::path from = options.folder / log.points;
       log.points = "points.ply";
-      write_file_atomically(log.folder / log.points, read_file(from));
+      put_file(log, log.points, [&](const fs::path& to) { write_file_atomically(to, read_file(from)); });
     }
   });
 }

@@ -1,9 +1,9 @@
 #pragma once
 // Clouds and pictures of a recording as sweeps and pictures of a log. For io/import/ros2/*.cpp alone.
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -12,6 +12,7 @@
 #include "io/import/ros2/cloud_fields.hpp"
 #include "io/import/ros2/ros2_lidar.hpp"
 #include "io/import/ros2/ros2_log.hpp"
+#include "io/import/ros2/ros2_scan.hpp"
 
 namespace simuli::ros2 {
 
@@ -22,16 +23,19 @@ struct RecordedCamera {
 
 class FrameWriter {
  public:
-  /// Frames that begin before `span` (nanoseconds since 1970) or end behind it are left out. Makes images/
-  /// and sweeps/ in the folder.
+  /// Frames that begin before `span` (nanoseconds since 1970) or end behind it are left out.
   FrameWriter(const Bag& bag,
               const std::string& file,
               Log& log,
-              const std::filesystem::path& folder,
               std::pair<std::int64_t, std::int64_t> span,
               Ros2Report& report);
 
-  /// In one pass, by topic; adds the frames to the log. Errors as import_ros2().
+  /// Adds the frames to the log by their stamps alone.
+  void survey(const Scan& scan,
+              const std::map<std::string, RecordedLidar>& lidars,
+              const std::map<std::string, RecordedCamera>& cameras);
+  /// In one pass, by topic; adds the frames to the log. Damaged messages are left out and noted, unless a topic has
+  /// no others. Errors as import_ros2().
   void write(const std::map<std::string, RecordedLidar>& lidars,
              const std::map<std::string, RecordedCamera>& cameras,
              const CloudFieldOptions& fields,
@@ -41,7 +45,14 @@ class FrameWriter {
   std::size_t total = 0;
 
  private:
-  [[nodiscard]] bool is_on_path(double start_s, double end_s);
+  struct Damage {
+    std::size_t count = 0, of = 0;  // messages
+    std::string first;              // error
+  };
+  /// Whether `read` can read the message; what it throws is counted.
+  [[nodiscard]] bool is_sound(const std::string& topic, const std::function<void()>& read);
+  /// Neither beside the path nor a second one of that stamp; those are counted.
+  [[nodiscard]] bool is_wanted(const std::string& sensor, double start_s, double end_s);
   [[nodiscard]] double seconds(std::int64_t stamp_ns) const;
   void add_cloud(const BagChannel& channel,
                  std::string_view data,
@@ -52,10 +63,16 @@ class FrameWriter {
   const Bag& bag_;
   const std::string& file_;
   Log& log_;
-  std::filesystem::path folder_;
   std::pair<std::int64_t, std::int64_t> span_;
   Ros2Report& report_;
+  std::map<std::string, Damage> damaged_;               // by topic
+  std::set<std::pair<std::string, double>> are_there_;  // sensors and starts of frames
 };
+
+/// Of a picture's file, by its first bytes: ".png", ".jpg", ".webp", or "".
+[[nodiscard]] std::string picture_ending(const CompressedImageMessage& message);
+/// Whether picture_of() reads it.
+[[nodiscard]] bool is_known_encoding(std::string_view encoding);
 
 /// Error{kInput} naming `file` and `where` for another encoding than the line lists then: colours of 8 and 16
 /// bits, Bayer's mosaics (each pixel lacks two colours: means of those beside it), YUV (BT.601).

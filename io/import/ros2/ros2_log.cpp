@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
 #include "io/import/ros2/ros2_frames.hpp"
@@ -47,50 +48,11 @@ class Importer {
         bag_(open_bag(options.recording)),
         scan_(scan_bag(*bag_, options)) {}
 
-  std::vector<std::string> survey() {
-    std::vector<std::string> lines;
-    const auto tell = [&](const char* kind, const std::string& topic, const SensorTopic& t) {
-      const auto [first, last] = std::minmax_element(t.stamps_ns.begin(), t.stamps_ns.end());
-      const double apart = apart_s(t);
-      lines.push_back(fmt::format("{} {}: {} messages{}, {:.3f} to {:.3f} s, frame {}",
-                                  kind,
-                                  topic,
-                                  t.stamps_ns.size(),
-                                  apart > 0.0 ? fmt::format(", {:.4g} Hz", 1.0 / apart) : "",
-                                  static_cast<double>(*first) * kNanosecond_s,
-                                  static_cast<double>(*last) * kNanosecond_s,
-                                  t.frame_id));
-    };
-    for (const auto& [topic, cloud] : scan_.clouds) tell("clouds", topic, cloud);
-    for (const auto& [topic, picture] : scan_.pictures) tell("pictures", topic, picture);
-    for (const auto& [topic, poses] : scan_.odometry)
-      lines.push_back(fmt::format("odometry {}: {} messages", topic, poses.size()));
-    lines.push_back("frames: " + scan_.transforms.frames());
-    try {
-      choose();
-      std::size_t all = 0, posed = 0;
-      const auto count = [&](const SensorTopic& topic) {
-        all += topic.stamps_ns.size();
-        posed += static_cast<std::size_t>(
-            std::count_if(topic.stamps_ns.begin(), topic.stamps_ns.end(), [&](std::int64_t ns) {
-              return ns >= span_.first && ns <= span_.second;
-            }));
-      };
-      for (const auto& [topic, unused] : lidars_) count(scan_.clouds.at(topic));
-      for (const auto& [topic, unused] : cameras_) count(scan_.pictures.at(topic));
-      note(fmt::format("{} of {} clouds and pictures begin on the path", posed, all));
-    } catch (const Error& error) {
-      if (error.kind() == ErrorKind::kUsage) throw;
-      note(fmt::format("refused: {}", error.what()));
-    }
-    lines.insert(lines.end(), report_.notes.begin(), report_.notes.end());
-    return lines;
-  }
-
   Log run(const std::function<void(std::size_t, std::size_t)>& progress) {
+    if (options_.output.empty()) return survey();
     choose();
     return make_import(options_.output, log_, [&] {
-      FrameWriter writer(*bag_, file_, log_, log_.folder, span_, report_);
+      FrameWriter writer(*bag_, file_, log_, span_, report_);
       for (const auto& [topic, unused] : lidars_) writer.total += scan_.clouds.at(topic).stamps_ns.size();
       for (const auto& [topic, unused] : cameras_) writer.total += scan_.pictures.at(topic).stamps_ns.size();
       writer.write(lidars_, cameras_, field_options(options_), progress);
@@ -111,16 +73,18 @@ class Importer {
       }
     }
     if (scan_.bad_transforms > 0)
-      note(fmt::format("left out: {} transforms that are none (NaN, or no unit quaternion)",
+      note(fmt::format("left out: {} transforms and poses that are none (NaN, or no unit quaternion)",
                        scan_.bad_transforms));
     for (const std::string& frame : scan_.transforms.ambiguous())
       note("frame " + frame +
            " has several parents: the one that leads to --world-frame, else the newest is taken");
     choose_lidars();
     choose_cameras();
-    if (lidars_.empty() && cameras_.empty())
+    if (lidars_.empty() && cameras_.empty()) {
+      const std::string why = fmt::format("{}", fmt::join(report_.notes, "; "));
       throw_nothing_left(
-          file_, "sensors", "no clouds and no pictures with a CameraInfo", "at least one sensor");
+          file_, "sensors", why.empty() ? "no clouds and no pictures" : why, "at least one sensor");
+    }
     find_path();
   }
 
@@ -135,6 +99,38 @@ class Importer {
                     "from when they were switched on; PTP or their driver sets them)",
                     static_cast<double>(span_.first) * kNanosecond_s,
                     static_cast<double>(span_.second) * kNanosecond_s));
+  }
+
+  /// What there is, what would be taken for what, and the log without its files; of what is refused why, and none.
+  Log survey() {
+    const auto tell = [&](const char* kind, const std::string& topic, const SensorTopic& t) {
+      const auto [first, last] = std::minmax_element(t.stamps_ns.begin(), t.stamps_ns.end());
+      const double apart = apart_s(t);
+      note(fmt::format("{} {}: {} messages{}, {:.3f} to {:.3f} s, frame {}",
+                       kind,
+                       topic,
+                       t.stamps_ns.size(),
+                       apart > 0.0 ? fmt::format(", {:.4g} Hz", 1.0 / apart) : "",
+                       static_cast<double>(*first) * kNanosecond_s,
+                       static_cast<double>(*last) * kNanosecond_s,
+                       t.frame_id));
+    };
+    for (const auto& [topic, cloud] : scan_.clouds) tell("clouds", topic, cloud);
+    for (const auto& [topic, picture] : scan_.pictures) tell("pictures", topic, picture);
+    for (const auto& [topic, poses] : scan_.odometry)
+      note(fmt::format("odometry {}: {} messages", topic, poses.size()));
+    note("frames: " + scan_.transforms.frames());
+    try {
+      choose();
+      FrameWriter(*bag_, file_, log_, span_, report_).survey(scan_, lidars_, cameras_);
+      if (log_.images.empty() && log_.sweeps.empty()) need_common_clock();
+      sort_by_time(log_);
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::kUsage) throw;
+      note(fmt::format("refused: {}", error.what()));
+      return {};
+    }
+    return log_;
   }
 
   void note(std::string text) { report_.notes.push_back(std::move(text)); }
@@ -210,6 +206,7 @@ class Importer {
       if (found == scan_.clouds.end())
         refuse_option("--lidar", asked.topic, "a topic of clouds: " + names(scan_.clouds));
       const SensorTopic& topic = found->second;
+      if (!topic.fields && !topic.unreadable.empty()) throw Error(ErrorKind::kInput, topic.unreadable);
       const std::string& frame = asked.frame.empty() ? topic.frame_id : asked.frame;
       const Pose table_from_cloud = fixed(frame, topic.frame_id, asked.topic);
       std::vector<std::vector<CloudPoint>> sweeps = topic.first_sweeps;
@@ -270,6 +267,12 @@ class Importer {
       const bool is_asked = has_lens || std::find(options_.cameras.begin(), options_.cameras.end(), topic) !=
                                             options_.cameras.end();
       if (!options_.cameras.empty() && !is_asked) continue;
+      if (!pictures.unreadable.empty()) {
+        if (is_asked)
+          throw_input_error(file_, topic, pictures.unreadable, "colours: JPEG, PNG, WebP, rgb8 ...");
+        note("left out: " + topic + ", " + pictures.unreadable);
+        continue;
+      }
       const auto info = scan_.infos.find(folder_of(topic) + "/camera_info");
       if (info == scan_.infos.end() && !has_lens) {
         const std::string lacks = "no " + folder_of(topic) + "/camera_info";
@@ -299,9 +302,16 @@ class Importer {
         camera.name = name_of_topic(topic);
         recorded.readout_s = lens->second.readout_s;
       } else {
-        CameraInfoMessage message = info->second;
-        if (topic.find("/image_rect", folder_of(topic).size()) != std::string::npos) rectify(message, topic);
-        camera = camera_of(message, name_of_topic(topic), file_, info->first);
+        try {
+          CameraInfoMessage message = info->second;
+          if (topic.find("/image_rect", folder_of(topic).size()) != std::string::npos)
+            rectify(message, topic);
+          camera = camera_of(message, name_of_topic(topic), file_, info->first);
+        } catch (const Error& error) {
+          if (is_asked) throw;
+          note(fmt::format("left out: {}: {}", topic, error.what()));
+          continue;
+        }
       }
       const auto shutter = options_.shutters.find(topic);
       if (shutter != options_.shutters.end()) {
@@ -341,6 +351,7 @@ class Importer {
           fmt::format("none; frames: {}; odometry: {}", scan_.transforms.frames(), names(scan_.odometry)),
           "transforms or odometry that move it, --rig-frame, --odometry, or --no-poses");
     }
+    level(poses);
     log_.world_from_rig = Trajectory(std::move(poses));
     const auto [first_ns, last_ns] = span_;
     frames_s_ = {static_cast<double>(first_ns) * kNanosecond_s, static_cast<double>(last_ns) * kNanosecond_s};
@@ -348,6 +359,22 @@ class Importer {
                             (log_.world_from_rig.start_s() - Trajectory::kExtrapolation_s) / kNanosecond_s),
              first_ns + static_cast<std::int64_t>(
                             (log_.world_from_rig.end_s() + Trajectory::kExtrapolation_s) / kNanosecond_s)};
+  }
+
+  /// The rig stands upright, on average: a world in which it doesn't (z down, or that of an IMU's or a camera's first
+  /// pose) is turned by the least angle to one in which it does.
+  void level(std::vector<TimedPose>& poses) {
+    constexpr double kSteepest = 20.0 * kDegree;  // no road is
+    Eigen::Vector3d up = Eigen::Vector3d::Zero();
+    for (const TimedPose& p : poses) up += p.pose.rotation * Eigen::Vector3d::UnitZ();
+    const double tilt = std::acos(std::clamp(up.normalized().z(), -1.0, 1.0));
+    if (!(tilt > kSteepest) || up.norm() < 0.5 * static_cast<double>(poses.size())) return;
+    const Pose turn{Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()),
+                    Eigen::Vector3d::Zero()};
+    for (TimedPose& p : poses) p.pose = turn * p.pose;
+    note(fmt::format("the path's frame is turned by {:.1f} degrees: {} stands upright then, and z is up",
+                     tilt / kDegree,
+                     options_.rig_frame));
   }
 
   void add_span(const SensorTopic& topic) {
@@ -405,11 +432,6 @@ class Importer {
 };
 
 }  // namespace
-
-std::vector<std::string> survey_ros2(const Ros2Options& options) {
-  Ros2Report report;
-  return Importer(options, report).survey();
-}
 
 Log import_ros2(const Ros2Options& options,
                 const std::function<void(std::size_t, std::size_t)>& progress,

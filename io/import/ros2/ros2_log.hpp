@@ -59,19 +59,18 @@ struct Ros2Report {
   PointReport points;
   std::size_t sweeps = 0, pictures = 0;  // in the log
   std::size_t unposed = 0;               // beside the path; left out
+  std::size_t twice = 0;                 // of a stamp that the sensor's other one has; left out
   std::vector<std::string> notes;        // what was taken for what, and what was left out
 };
 
 /// Error{kInput} naming file, topic and field for what is damaged or does not fit, for what has to be said by
 /// an option, and for more than 5 % of all points unplaced: another sensor than the table says. Error{kUsage}
-/// for options of topics that the recording has not.
+/// for options of topics that the recording has not. Without an output it is a survey, which reads no pictures and
+/// few points: in front of the notes a line for each topic of sensors and poses (messages, rate, first and last stamp,
+/// frame) and one for the frames of transforms; what Error{kInput} and Error{kNothing} would say is the last, with a
+/// log that is empty.
 Log import_ros2(const Ros2Options& options,
                 const std::function<void(std::size_t, std::size_t)>& progress,
                 Ros2Report& report);
-
-/// A line for each topic of sensors and poses (messages, rate, first and last stamp, frame), one for the frames of
-/// transforms, then what import_ros2() would take for what, and what it would leave out or refuse, and why. Writes
-/// nothing and reads no pictures; Error{kInput} for a recording that can't be read, Error{kUsage} as import_ros2().
-[[nodiscard]] std::vector<std::string> survey_ros2(const Ros2Options& options);
 
 }  // namespace simuli

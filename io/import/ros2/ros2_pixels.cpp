@@ -125,13 +125,19 @@ class Pixels {
   const Encoding& e_;
 };
 
+const Encoding* find_encoding(std::string_view name) {
+  const auto* const found = std::find_if(
+      std::begin(kEncodings), std::end(kEncodings), [&](const Encoding& e) { return e.name == name; });
+  return found == std::end(kEncodings) ? nullptr : found;
+}
+
 }  // namespace
 
+bool is_known_encoding(std::string_view encoding) { return find_encoding(encoding) != nullptr; }
+
 Image picture_of(const ImageMessage& message, const std::string& file, const std::string& where) {
-  const auto* const encoding = std::find_if(std::begin(kEncodings),
-                                            std::end(kEncodings),
-                                            [&](const Encoding& e) { return message.encoding == e.name; });
-  if (encoding == std::end(kEncodings)) {
+  const Encoding* const encoding = find_encoding(message.encoding);
+  if (encoding == nullptr) {
     std::vector<std::string_view> known;
     for (const Encoding& e : kEncodings) known.push_back(e.name);
     throw_input_error(

@@ -1,9 +1,11 @@
 #include "io/import/ros2/ros2_scan.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 #include "host/core/base/error.hpp"
+#include "io/import/ros2/ros2_frames.hpp"
 
 namespace simuli::ros2 {
 namespace {
@@ -33,13 +35,17 @@ class Scanner {
       take_info(channel, read_camera_info(in));
     } else if (type == kOdometry) {
       if (!options_.odometry.empty() && options_.odometry != channel.topic) return;
-      const OdometryMessage pose = read_odometry(in);
-      scan.odometry[channel.topic].push_back({pose.header.stamp_ns, pose.parent_from_child});
-      scan.odometry_frames.emplace(channel.topic, pose);
+      try {
+        const OdometryMessage pose = read_odometry(in);
+        scan.odometry[channel.topic].push_back({pose.header.stamp_ns, pose.parent_from_child});
+        scan.odometry_frames.emplace(channel.topic, pose);
+      } catch (const Error&) {
+        ++scan.bad_transforms;
+      }
     } else if (type == kPointCloud2) {
       take_cloud(channel, in);
     } else {
-      take_stamp(scan.pictures[channel.topic], channel, read_header_of(in));
+      take_picture(scan.pictures[channel.topic], channel, in);
     }
   }
 
@@ -54,11 +60,35 @@ class Scanner {
     topic.stamps_ns.push_back(header.stamp_ns);
   }
 
+  static void take_picture(SensorTopic& topic, const BagChannel& channel, const CdrReader& in) {
+    if (topic.stamps_ns.empty()) topic.unreadable = why_unreadable(channel, in);
+    take_stamp(topic, channel, read_header_of(in));
+  }
+
+  /// A damaged message tells nothing; it is told of when it is read.
+  static std::string why_unreadable(const BagChannel& channel, const CdrReader& in) try {
+    if (channel.type == kImage) {
+      const std::string encoding(read_image_message(in).encoding);
+      if (is_known_encoding(encoding)) return "";
+      return fmt::format("pictures of encoding \"{}\", which has no colours", encoding);
+    }
+    const CompressedImageMessage message = read_compressed_image(in);
+    if (!picture_ending(message).empty()) return "";
+    return fmt::format("pictures of format \"{}\", neither JPEG, PNG nor WebP", message.format);
+  } catch (const Error&) {
+    return "";
+  }
+
   void take_info(const BagChannel& channel, const CameraInfoMessage& info) {
     const auto [known, is_new] = scan.infos.emplace(channel.topic, info);
     const CameraInfoMessage& first = known->second;
-    const bool is_same = first.width == info.width && first.height == info.height && first.k == info.k &&
-                         first.d == info.d && first.distortion_model == info.distortion_model;
+    const auto same = [](const auto& a, const auto& b) {  // also of NaN, which is refused when it is read
+      return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) {
+        return x == y || (std::isnan(x) && std::isnan(y));
+      });
+    };
+    const bool is_same = first.width == info.width && first.height == info.height && same(first.k, info.k) &&
+                         same(first.d, info.d) && first.distortion_model == info.distortion_model;
     if (!is_same) scan.changing.insert(channel.topic);
   }
 
@@ -69,12 +99,16 @@ class Scanner {
                                       options_.lidars.end(),
                                       [&](const Ros2Lidar& lidar) { return lidar.topic == channel.topic; });
     if (!is_asked || topic.first_sweeps.size() >= kFirstSweeps) return;
-    const PointCloudMessage cloud = read_point_cloud(in);
-    // Of each message: nothing says that they are laid out alike.
-    const CloudFields fields = find_cloud_fields(cloud, field_options(options_), file_, channel.topic);
-    if (!topic.fields) topic.fields = fields;
-    std::vector<CloudPoint> points = points_of(cloud, fields, file_, channel.topic);
-    if (!points.empty()) topic.first_sweeps.push_back(std::move(points));
+    try {
+      const PointCloudMessage cloud = read_point_cloud(in);
+      // Of each message: nothing says that they are laid out alike.
+      const CloudFields fields = find_cloud_fields(cloud, field_options(options_), file_, channel.topic);
+      std::vector<CloudPoint> points = points_of(cloud, fields, file_, channel.topic);
+      if (!topic.fields) topic.fields = fields;
+      if (!points.empty()) topic.first_sweeps.push_back(std::move(points));
+    } catch (const Error& error) {
+      if (topic.unreadable.empty()) topic.unreadable = error.what();
+    }
   }
 
   const Ros2Options& options_;

@@ -18,7 +18,8 @@ namespace simuli::ros2 {
 /// One topic of clouds or pictures.
 struct SensorTopic {
   std::string type;
-  std::string frame_id;  // of the first message
+  std::string frame_id;    // of the first message
+  std::string unreadable;  // what that one is instead of a picture of colours; of clouds the first error
   std::vector<std::int64_t> stamps_ns;
   std::vector<std::vector<CloudPoint>> first_sweeps;  // of clouds that options.lidars names
   std::optional<CloudFields> fields;                  // of these
@@ -34,7 +35,7 @@ struct Scan {
   TransformTree transforms;
   std::set<std::string> changing;  // topics of CameraInfo whose calibration does not stay
   std::set<std::string> topics;    // all of the recording
-  std::size_t bad_transforms = 0;  // no poses; left out
+  std::size_t bad_transforms = 0;  // and odometry: no poses; left out
 };
 
 /// A reader of one message of that channel.

@@ -97,7 +97,7 @@ class SegmentLog {
   void add_picture(const Picture& p) {
     const std::string name = reader_.camera_name(p.name);
     const std::string image = fmt::format("images/{}_{:06}.jpg", name, frames_);
-    write_file_atomically(log_.folder / image, std::string(p.bytes));
+    put_file(log_, image, [&](const fs::path& to) { write_file_atomically(to, std::string(p.bytes)); });
     const bool global = log_.camera(name).model.shutter == ShutterKind::kGlobal;
     const double middle_s = 0.5 * (p.start_s + p.end_s);
     log_.images.push_back({name,
@@ -120,7 +120,7 @@ class SegmentLog {
     }
     const Sweep sweep = sweep_of(grid, model);
     const std::string name = fmt::format("sweeps/{:06}.exr", frames_);
-    write_sweep(log_.folder / name, sweep);
+    put_sweep(log_, name, sweep);
     report_.rays += sweep.range.size();
     report_.returned += static_cast<std::size_t>(
         std::count_if(sweep.range.begin(), sweep.range.end(), [](float r) { return r > 0.0F; }));

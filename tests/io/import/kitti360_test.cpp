@@ -7,16 +7,18 @@
 #include <gtest/gtest.h>
 #include <string>
 
-#include "io/picture/image.hpp"
 #include "io/import/kitti360/kitti360_parts.hpp"
+#include "io/picture/image.hpp"
 #include "tests/io/import/kitti_folder.hpp"
 #include "tests/io/scratch.hpp"
+#include "tests/io/survey.hpp"
 
 namespace simuli {
 namespace {
 
 namespace fs = std::filesystem;
 using test::expect_input_error;
+using test::expect_survey;
 using test::KittiFolder;
 using test::Scratch;
 
@@ -83,6 +85,9 @@ TEST(Kitti360, ASequenceBecomesALog) {
   const Folder data(scratch);
   Kitti360Report report;
   const Log log = import_kitti360({data.root, "", scratch / "a.log"}, {}, report);
+  Kitti360Report surveyed;
+  expect_survey(import_kitti360({data.root, "", ""}, {}, surveyed), log);
+  EXPECT_EQ(surveyed.absent, report.absent);
   EXPECT_EQ(log.name, kName);
   EXPECT_EQ(report.absent, 1U + 4U);  // a sweep, four pictures of the fisheye
   EXPECT_EQ(report.unposed, 0U);

@@ -10,12 +10,14 @@
 #include "io/import/kitti/kitti_parts.hpp"
 #include "tests/io/import/kitti_folder.hpp"
 #include "tests/io/scratch.hpp"
+#include "tests/io/survey.hpp"
 
 namespace simuli {
 namespace {
 
 namespace fs = std::filesystem;
 using test::expect_input_error;
+using test::expect_survey;
 using test::KittiFolder;
 using test::Scratch;
 
@@ -70,6 +72,9 @@ TEST(KittiImport, BuildsTheFullFiringGrid) {
       &report);
   EXPECT_EQ(done, (std::vector<std::size_t>{1, 2, 3}));
   EXPECT_EQ(log.folder, scratch / "drive.log");
+  KittiReport surveyed;
+  expect_survey(import_kitti({folder.drive(), "", ""}, {}, &surveyed), log);
+  EXPECT_EQ(surveyed.returned, report.returned);
   EXPECT_EQ(log.name, KittiFolder::name());
   const Lidar& lidar = log.lidar("velodyne").with_rows();
   EXPECT_EQ(lidar.columns, KittiFolder::kFirings);

@@ -12,16 +12,19 @@
 #include <string>
 
 #include "io/base/file.hpp"
-#include "io/picture/image.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/import/nuscenes/nuscenes_sweep.hpp"
+#include "io/picture/image.hpp"
+#include "tests/io/linear.hpp"
 #include "tests/io/scratch.hpp"
+#include "tests/io/survey.hpp"
 
 namespace simuli {
 namespace {
 
 namespace fs = std::filesystem;
 using test::expect_input_error;
+using test::expect_survey;
 using test::Scratch;
 
 constexpr int kFirings = 40;
@@ -140,6 +143,9 @@ TEST(Nuscenes, ASceneBecomesALog) {
   const DataSet data(scratch);
   NuscenesReport report;
   const Log log = import_nuscenes({data.write(), "", "scene-0001", scratch / "n.log"}, {}, report);
+  NuscenesReport surveyed;
+  expect_survey(import_nuscenes({data.write(), "", "scene-0001", ""}, {}, surveyed), log);
+  EXPECT_EQ(surveyed.returned, report.returned);
   EXPECT_EQ(report.absent, 1U);
   EXPECT_EQ(report.rays, 2U * 32U * kFirings);
   EXPECT_EQ(report.returned, 2U * 31U * kFirings);
@@ -166,6 +172,26 @@ TEST(Nuscenes, ASceneBecomesALog) {
   EXPECT_EQ(log.actors[0].name, "car_0");
   EXPECT_EQ(log.actors[0].size_m, Eigen::Vector3d(4.5, 1.9, 1.6));
   EXPECT_NEAR(log.actors[0].at(0.238).translation.y(), 2.5, 1e-6);
+}
+
+TEST(Nuscenes, TablesAreReadInProportionToTheirLength) {
+  const Scratch scratches[2];
+  fs::path roots[2];
+  for (const int which : {0, 1}) {
+    DataSet data(scratches[which]);
+    for (const char* name : {"ego_pose", "sample_data"}) {
+      Json entry = data.table[name].back();  // of the scene that isn't asked for
+      for (int i = 0; i < 15'000 * (which + 1); ++i) {
+        entry["token"] = std::to_string(i);
+        data.table[name].push_back(entry);
+      }
+    }
+    roots[which] = data.write();
+  }
+  NuscenesReport report;
+  test::expect_linear([&](int which) {
+    (void)import_nuscenes({roots[which], "", "scene-0001", ""}, {}, report);
+  });
 }
 
 TEST(Nuscenes, SaysWhatDoesNotFit) {

@@ -11,12 +11,14 @@
 #include "io/log/camera_mask.hpp"
 #include "tests/io/import/pandaset_folder.hpp"
 #include "tests/io/scratch.hpp"
+#include "tests/io/survey.hpp"
 
 namespace simuli {
 namespace {
 
 namespace fs = std::filesystem;
 using test::expect_input_error;
+using test::expect_survey;
 using test::MadeSequence;
 using test::Scratch;
 
@@ -27,6 +29,9 @@ TEST(Pandaset, ASequenceBecomesALog) {
   const MadeSequence made(scratch / "001");
   PandasetReport report;
   const Log log = import_pandaset({made.root(), scratch / "p.log"}, {}, report);
+  PandasetReport surveyed;
+  expect_survey(import_pandaset({made.root(), ""}, {}, surveyed), log);
+  EXPECT_EQ(surveyed.points.returned, report.points.returned);
   EXPECT_EQ(log.name, "001");
   EXPECT_TRUE(report.gaps.empty());
   ASSERT_EQ(log.world_from_rig.poses().size(), 3U);

@@ -17,13 +17,16 @@
 #include "io/import/photos/nerfstudio.hpp"
 #include "io/picture/image.hpp"
 #include "io/splat/ply.hpp"
+#include "tests/io/linear.hpp"
 #include "tests/io/scratch.hpp"
+#include "tests/io/survey.hpp"
 
 namespace simuli {
 namespace {
 
 namespace fs = std::filesystem;
 using test::expect_input_error;
+using test::expect_survey;
 using test::Scratch;
 
 void write_photos(const fs::path& folder, int count) {
@@ -102,7 +105,9 @@ TEST(Colmap, TextAndBinaryAreTheSameLog) {
   const Log text = import_colmap({scratch / "text", {}, scratch / "t.log"}, {}, text_report);
   const Log binary =
       import_colmap({scratch.path(), scratch / "images", scratch / "b.log"}, {}, binary_report);
-  for (const PhotoReport& report : {text_report, binary_report}) {
+  PhotoReport surveyed;
+  expect_survey(import_colmap({scratch / "text", {}, ""}, {}, surveyed), text);
+  for (const PhotoReport& report : {text_report, binary_report, surveyed}) {
     EXPECT_EQ(report.photos, 4U);
     EXPECT_EQ(report.points, 2U);
     EXPECT_NEAR(report.metres_per_unit, 0.5, 0.02);  // points stand 20 units away: 10 m
@@ -145,6 +150,8 @@ TEST(Colmap, SaysWhatIsMissing) {
   write_photos(scratch / "images", kPhotos);
   write_colmap_text(scratch / "text", "7 FOV 8 6 9 10 4 3 0.1");
   expect_input_error([&] { run(scratch / "text"); }, {"camera 7", "FOV"});
+  write_colmap_text(scratch / "text", "7 THIN_PRISM_FISHEYE 8 6 9 10 4 3 0 0 0 0 0 0 0 0");
+  expect_input_error([&] { run(scratch / "text"); }, {"camera 7", "found THIN_PRISM_FISHEYE"});
   write_colmap_text(scratch / "text", "8 PINHOLE 8 6 9 10 4 3");
   expect_input_error([&] { run(scratch / "text"); }, {"camera of 0.png", "7"});
   write_colmap_text(scratch / "text", "7 PINHOLE 9 6 9 10 4 3");
@@ -182,6 +189,25 @@ TEST(Colmap, BlankLinesOfTheTextAreNoImages) {
     expect_input_error([&] { (void)count(with(second)); }, {"images.txt: line", "POINT3D_ID"});
 }
 
+TEST(Colmap, PhotographsWithoutAPoseAndBlanksBehindNames) {
+  const Scratch scratch;
+  write_photos(scratch / "images", kPhotos);
+  write_colmap_text(scratch / "text", kOpencv);
+  std::string images = colmap_images_text();
+  images.replace(images.find(" 0.png"), 6, " 0.png  \t");
+  std::ofstream(scratch / "text/images.txt") << images << "9 0 0 0 0 1 2 3 7 1.png\n\n";
+  PhotoReport report;
+  EXPECT_EQ(import_colmap({scratch / "text", {}, ""}, {}, report).images.size(), 4U);
+  EXPECT_EQ(report.unposed, 1U);
+  fs::remove_all(scratch / "images");
+  fs::create_directory(scratch / "images");
+  test::expect_error(ErrorKind::kNothing,
+               [&] {
+                 (void)import_colmap({scratch / "text", {}, ""}, {}, report);
+               },
+               {"images.txt", "none of 4, of which the first is " + (scratch / "images/0.png").string()});
+}
+
 TEST(Colmap, PointsWithoutAnyTrackAreAllTaken) {
   const Scratch scratch;
   write_photos(scratch / "images", kPhotos);
@@ -217,6 +243,25 @@ std::string transforms(const std::string& head, const std::string& model) {
   return fmt::format(R"({{{} "camera_model": "{}", "frames": [{}], "aabb_scale": 4}})", head, model, frames);
 }
 
+TEST(Nerfstudio, ListsAreReadInProportionToTheirLength) {
+  const Scratch scratch;
+  write_photos(scratch / "images", 1);
+  fs::path files[2];
+  for (const int which : {0, 1}) {
+    std::string text = transforms(R"("fl_x": 9, "w": 8, "h": 6,)", "OPENCV");
+    const std::size_t from = text.find('[') + 1, end = text.find("{\"file_path", from + 1);
+    const std::string frame = text.substr(from, end - from);
+    std::string more;
+    for (int i = 0; i < 10'000 * (which + 1); ++i) {
+      more += frame;
+      more.replace(more.size() - frame.size() + frame.find("images/0"), 8, "absent/0");
+    }
+    files[which] = scratch.file(fmt::format("{}.json", which), text.insert(from, more));
+  }
+  PhotoReport report;
+  test::expect_linear([&](int which) { (void)import_nerfstudio({files[which], ""}, {}, report); });
+}
+
 TEST(Nerfstudio, PosesAreOurs) {
   const Scratch scratch;
   write_photos(scratch / "images", kPhotos - 1);  // one of the named is not there
@@ -224,6 +269,8 @@ TEST(Nerfstudio, PosesAreOurs) {
   const fs::path file = scratch.file("transforms.json", transforms(head, "OPENCV"));
   PhotoReport report;
   const Log log = import_nerfstudio({file, scratch / "n.log"}, {}, report);
+  PhotoReport surveyed;
+  expect_survey(import_nerfstudio({file, ""}, {}, surveyed), log);
   EXPECT_EQ(report.photos, 3U);
   EXPECT_EQ(report.absent, 1U);
   EXPECT_NEAR(report.metres_per_unit, 0.5 / 3.0, 1e-9);

@@ -14,12 +14,14 @@
 #include "io/log/log_json.hpp"
 #include "io/synth/street.hpp"
 #include "tests/io/scratch.hpp"
+#include "tests/io/survey.hpp"
 
 namespace simuli {
 namespace points_log_test {
 
 namespace fs = std::filesystem;
 using test::expect_input_error;
+using test::expect_survey;
 using test::Scratch;
 
 /// Files hold float32 coordinates (2e-6 m in the street) and times (1e-8 s of a drive at 8 m/s).
@@ -105,6 +107,9 @@ TEST(PointsLog, TheStreetComesBack) {
       PointReport report;
       const Log back = import_points({folder.write(), scratch / fmt::format("{}.log", n++)}, {}, report);
       SCOPED_TRACE(back.folder);
+      PointReport surveyed;
+      expect_survey(import_points({folder.write(), ""}, {}, surveyed), back);
+      EXPECT_EQ(surveyed.returned, report.returned);
       ASSERT_EQ(back.sweeps.size(), log.sweeps.size());
       EXPECT_EQ(back.images.size(), log.images.size());
       EXPECT_EQ(back.actors.size(), log.actors.size());

@@ -13,12 +13,14 @@
 #include "io/base/gzip.hpp"
 #include "io/picture/image.hpp"
 #include "tests/io/scratch.hpp"
+#include "tests/io/survey.hpp"
 
 namespace simuli {
 namespace {
 
 namespace fs = std::filesystem;
 using test::expect_input_error;
+using test::expect_survey;
 using test::Scratch;
 
 /// A message being written, field by field, as the public schema numbers them.
@@ -148,6 +150,9 @@ TEST(Waymo, ASegmentBecomesALog) {
   for (int i = 0; i < 3; ++i) bytes += record(frame(i, some_picture(scratch)));
   WaymoReport report;
   const Log log = import_waymo({scratch.file("s.tfrecord", bytes), scratch / "w.log"}, {}, report);
+  WaymoReport surveyed;
+  expect_survey(import_waymo({scratch / "s.tfrecord", ""}, {}, surveyed), log);
+  EXPECT_EQ(surveyed.returned, report.returned);
   EXPECT_EQ(report.frames, 3U);
   EXPECT_EQ(report.rays, 3U * kRows * kColumns);
   EXPECT_EQ(report.returned, 3U * kRows * (kColumns - 1));

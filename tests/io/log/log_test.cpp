@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "io/base/file.hpp"
+#include "tests/io/linear.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
@@ -50,6 +51,19 @@ Log some_log(const Scratch& scratch) {
   fs::create_directory(scratch / "sweeps");
   for (const char* name : {"images/0.png", "images/1.png", "sweeps/0.exr"}) (void)scratch.file(name, "");
   return log;
+}
+
+TEST(Log, IsReadInProportionToItsPath) {
+  const Scratch scratches[2];
+  for (const int which : {0, 1}) {
+    Log log = some_log(scratches[which]);
+    std::vector<TimedPose> poses;
+    const int count = 25'000 * (which + 1);
+    for (int i = 0; i <= count; ++i) poses.push_back({0.05 + 0.1 * i / count, {}});
+    log.world_from_rig = Trajectory(std::move(poses));
+    write_log(log);
+  }
+  test::expect_linear([&](int which) { (void)read_log(scratches[which].path()); });
 }
 
 TEST(Log, ReadsWhatItWrote) {

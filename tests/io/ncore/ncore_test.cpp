@@ -21,6 +21,7 @@
 #include "io/zarr/zarr_store.hpp"
 #include "tests/host/windshields.hpp"
 #include "tests/io/ncore/ncore_fixture.hpp"
+#include "tests/io/survey.hpp"
 
 namespace simuli::test {
 namespace {
@@ -252,6 +253,8 @@ TEST_F(NcoreTest, ReadsRaysWithoutElementsByATable) {
   const Log placed = import_ncore(options, {}, report_);
   EXPECT_EQ(report_.points.unplaced, 0U);
   expect_near_sweeps(log, placed);
+  options.output.clear();
+  test::expect_survey(import_ncore(options, {}, report_), placed);
 }
 
 TEST_F(NcoreTest, RefusesDamageInOneLine) {

@@ -242,7 +242,9 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
       zoom.k = {f, 0.0, 4.0, 0.0, f, 3.0, 0.0, 0.0, 1.0};
       add("/ptz/camera_info", ros2::kCameraInfo, ros2::to_cdr(zoom));
     }
-    add("/ptz/image_raw", ros2::kImage, ros2::to_cdr(ros2::ImageMessage{}));
+    ros2::ImageMessage none;
+    none.encoding = "mono8";
+    add("/ptz/image_raw", ros2::kImage, ros2::to_cdr(none));
     ros2::OdometryMessage lost{
         {kStart_ns, "odom"}, "wheels", {Eigen::Quaterniond::Identity(), {nan, 0.0, 0.0}}};
     add("/wheels", ros2::kOdometry, ros2::to_cdr(lost));
@@ -260,17 +262,21 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
 
   // The survey tells the same, and what there is, and writes nothing.
   options.output.clear();
-  const std::string survey = fmt::format("{}", fmt::join(survey_ros2(options), "\n"));
+  report = {};
+  const Log surveyed = import_ros2(options, {}, report);
+  EXPECT_EQ(surveyed.sweeps.size(), 3U);
+  EXPECT_EQ(surveyed.lidars.size(), 1U);
+  const std::string survey = fmt::format("{}", fmt::join(report.notes, "\n"));
   for (const char* word : {"clouds /points: 3 messages, 10 Hz, 1700000000.223 to 1700000000.423 s",
                            "pictures /ptz/image_raw: 1 messages",
                            "odometry /odom: ",
                            "frames: ",
                            "LiDAR points: /points, 10 Hz",
-                           "left out: /radar, no --lidar",
-                           "3 of 3 clouds and pictures begin on the path"})
+                           "left out: /radar, no --lidar"})
     EXPECT_NE(survey.find(word), std::string::npos) << word << " is missing in: " << survey;
   options.lidars.clear();
-  EXPECT_NE(fmt::format("{}", fmt::join(survey_ros2(options), "\n")).find("refused: "), std::string::npos);
+  EXPECT_TRUE(import_ros2(options, {}, report).sweeps.empty());
+  EXPECT_NE(report.notes.back().find("refused: "), std::string::npos) << report.notes.back();
   options.lidars = {{"/points", lidar_of(log)}};
 
   // The same by what is read: the lost wheels are then no odometry to choose from.
@@ -286,6 +292,29 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
   expect_same_sweeps(log, imported(options, report));
   options.topics = {"/pionts"};
   EXPECT_THROW((void)imported(options, report), Error);
+}
+
+TEST(Ros2Log, TheRigStandsUprightInTheWorld) {
+  const Scratch scratch;
+  const Log log = street(scratch);
+  const Eigen::Quaterniond ned(0.0, std::sqrt(0.5), std::sqrt(0.5), 0.0);
+  const Eigen::Quaterniond slope(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()));
+  for (const auto& [turn, is_levelled] : {std::pair(ned, true), std::pair(slope, false)}) {
+    Log turned = log;
+    std::vector<TimedPose> poses = log.world_from_rig.poses();
+    for (TimedPose& p : poses) p.pose = Pose{turn, Eigen::Vector3d::Zero()} * p.pose;
+    turned.world_from_rig = Trajectory(std::move(poses));
+    const fs::path file = scratch / (is_levelled ? "ned.mcap" : "slope.mcap");
+    record_by({drivers().front()}, turned, file);
+    Ros2Options options = options_for(log, file, "");
+    options.lidars[0].topic = "/points";
+    Ros2Report report;
+    const Log back = import_ros2(options, {}, report);
+    const Eigen::Vector3d up = back.world_from_rig.poses().front().pose.rotation * Eigen::Vector3d::UnitZ();
+    const std::string told = fmt::format("{}", fmt::join(report.notes, "\n"));
+    EXPECT_EQ(up.z() > 0.999, is_levelled) << told;
+    EXPECT_EQ(told.find("base_link stands upright then") != std::string::npos, is_levelled) << told;
+  }
 }
 
 TEST(Ros2Log, RectifiedPicturesHaveTheLensOfP) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 #include <string>
 
@@ -175,10 +176,52 @@ TEST(Ros2Pictures, AFileTellsALens) {
       ErrorKind::kUsage, [&] { (void)imported(options, report); }, {"--camera", "/rear", "/left/image_raw"});
   options.lenses.clear();
   options.ignore = {"/left/camera_info"};
+  report = {};
   expect_error(ErrorKind::kNothing,
                [&] { (void)imported(options, report); },
-               {"a.mcap", "sensors", "no clouds and no pictures"});
+               {"a.mcap", "sensors", "left out: /left/image_raw"});
   EXPECT_FALSE(std::filesystem::exists(options.output));
+}
+
+TEST(Ros2Pictures, DepthAndDamageAreLeftOut) {
+  const Scratch scratch;
+  const std::string pixels(48, 'x');
+  McapWriter mcap(scratch / "a.mcap", "ros2", McapWriter::Compression::kNone);
+  const auto channel = [&](const char* topic, const char* type) {
+    return mcap.add_channel({topic, type, "", "", "cdr"});
+  };
+  ros2::CameraInfoMessage info;
+  info.header = {kStart_ns, "camera"};
+  info.width = 8;
+  info.height = 6;
+  info.k = {7.0, 0.0, 4.0, 0.0, 7.0, 3.0, 0.0, 0.0, 1.0};
+  for (const char* topic : {"/front/camera_info", "/depth/camera_info", "/packed/camera_info"})
+    mcap.add_message(channel(topic, ros2::kCameraInfo), kStart_ns, ros2::to_cdr(info));
+  const auto front = channel("/front/image_raw", ros2::kImage);
+  mcap.add_message(front, kStart_ns, ros2::to_cdr(message_of("mono8", 8, 6, 8, pixels.substr(1))));
+  mcap.add_message(front, kStart_ns, ros2::to_cdr(message_of("mono8", 8, 6, 8, pixels)));
+  mcap.add_message(channel("/depth/image_raw", ros2::kImage),
+                   kStart_ns,
+                   ros2::to_cdr(message_of("16UC1", 8, 6, 16, pixels + pixels)));
+  ros2::CompressedImageMessage packed{{kStart_ns, "camera"}, "h264", pixels};
+  mcap.add_message(channel("/packed/compressed", ros2::kCompressedImage), kStart_ns, ros2::to_cdr(packed));
+  mcap.finish();
+  Ros2Options options;
+  options.recording = scratch / "a.mcap";
+  options.output = scratch / "a.log";
+  options.without_poses = true;
+  options.mounts["/front/image_raw"] = {};
+  Ros2Report report;
+  EXPECT_EQ(imported(options, report).images.size(), 1U);
+  const std::string told = fmt::format("{}", fmt::join(report.notes, "\n"));
+  for (const char* word : {"left out: 1 of 2 messages of /front/image_raw: ",
+                           "left out: /depth/image_raw, pictures of encoding \"16UC1\"",
+                           "left out: /packed/compressed, pictures of format \"h264\""})
+    EXPECT_NE(told.find(word), std::string::npos) << word << " is missing in: " << told;
+  // Who asks for it is told that it can't be had, and who has nothing else that nothing is sound.
+  options.output = scratch / "b.log";
+  options.cameras = {"/depth/image_raw"};
+  expect_input_error([&] { (void)imported(options, report); }, {"/depth/image_raw", "16UC1"});
 }
 
 }  // namespace ros2_pictures_test

@@ -26,127 +26,88 @@
 namespace simuli::cli {
 namespace {
 
-/// What became of the recorded points, on stderr: it is about the import, not part of the log.
-void print_report(const KittiReport& r) {
+using Lines = std::vector<std::string>;
+
+/// What became of the recorded points.
+std::string beams_line(const KittiReport& r) {
   const auto percent = [](std::size_t part, std::size_t whole) {
     return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0;
   };
-  std::cerr << fmt::format(
-      "{} points, {} of them on no beam and left out ({:.3f} %); {:.1f} % of {} rays returned\n",
-      r.points,
-      r.unplaced,
-      percent(r.unplaced, r.points),
-      percent(r.returned, r.rays),
-      r.rays);
+  return fmt::format("{} points, {} of them on no beam and left out ({:.3f} %); {:.1f} % of {} rays returned",
+                     r.points,
+                     r.unplaced,
+                     percent(r.unplaced, r.points),
+                     percent(r.returned, r.rays),
+                     r.rays);
 }
 
-void import_kitti_drive(const KittiOptions& options, const Globals& globals) {
-  run_import<KittiReport>(
-      "kitti",
-      globals,
-      [&](const auto& progress, KittiReport& r) { return import_kitti(options, progress, &r); },
-      [](const KittiReport& r) {
-        for (const KittiGaps& gaps : r.gaps) {
-          std::cerr << fmt::format("{}: nothing recorded in {} of the frames: {}\n",
-                                   gaps.sensor,
-                                   gaps.frames.size(),
-                                   runs_text(gaps.frames));
-        }
-        for (const KittiGaps& gaps : r.disordered) {
-          std::cerr << fmt::format("{}: the clock runs backwards; {} of the frames are left out: {}\n",
-                                   gaps.sensor,
-                                   gaps.frames.size(),
-                                   runs_text(gaps.frames));
-        }
-        for (const KittiJump& jump : r.jumps) {
-          std::cerr << fmt::format(
-              "{}: {:.3g} s pass before frame {}\n", jump.sensor, jump.step_s, jump.frame);
-        }
-        print_report(r);
-      });
+Lines tell_kitti(const KittiReport& r) {
+  Lines lines;
+  for (const KittiGaps& gaps : r.gaps) {
+    lines.push_back(fmt::format("{}: nothing recorded in {} of the frames: {}",
+                                gaps.sensor,
+                                gaps.frames.size(),
+                                runs_text(gaps.frames)));
+  }
+  for (const KittiGaps& gaps : r.disordered) {
+    lines.push_back(fmt::format("{}: the clock runs backwards; {} of the frames are left out: {}",
+                                gaps.sensor,
+                                gaps.frames.size(),
+                                runs_text(gaps.frames)));
+  }
+  for (const KittiJump& jump : r.jumps)
+    lines.push_back(fmt::format("{}: {:.3g} s pass before frame {}", jump.sensor, jump.step_s, jump.frame));
+  lines.push_back(beams_line(r));
+  return lines;
 }
 
-void import_kitti360_sequence(const Kitti360Options& options, const Globals& globals) {
-  run_import<Kitti360Report>(
-      "kitti360",
-      globals,
-      [&](const auto& progress, Kitti360Report& r) { return import_kitti360(options, progress, r); },
-      [](const Kitti360Report& r) {
-        std::cerr << fmt::format(
-            "{} pictures and sweeps are absent, {} without a pose\n", r.absent, r.unposed);
-        print_report(r.points);
-      });
+Lines tell_kitti360(const Kitti360Report& r) {
+  return {fmt::format("{} pictures and sweeps are absent, {} without a pose", r.absent, r.unposed),
+          beams_line(r.points)};
 }
 
-/// Adds what `import` does for posed photographs: `run(options, progress, report)` returns the log.
+Lines tell_photos(const PhotoReport& r) {
+  Lines lines{fmt::format("{} photographs ({} named but absent), {} points, {:.4g} m per unit",
+                          r.photos,
+                          r.absent,
+                          r.points,
+                          r.metres_per_unit)};
+  if (r.unposed > 0) lines.push_back(fmt::format("{} photographs without a pose are left out", r.unposed));
+  if (r.masked > 0) {
+    lines.push_back(fmt::format(
+        "{} masks of single photographs are left out; simuli mask hides what a camera always sees",
+        r.masked));
+  }
+  return lines;
+}
+
+/// Adds what `import` does for posed photographs.
 template <class Options, class Run>
 void add_photos(Command command,
                 const char* name,
                 const std::shared_ptr<Options>& options,
                 const Globals& globals,
                 const Run& run) {
-  command.option("-o,--output", options->output, "log folder to write").required();
   command
       .option("--metres-per-unit",
               options->metres_per_unit,
               "size of the world; default: points 10 m away, or steps of 0.5 m between photographs")
       .positive();
-  command.run([options, name, run, &globals] {
-    run_import<PhotoReport>(
-        name,
-        globals,
-        [&](const auto& progress, PhotoReport& r) { return run(*options, progress, r); },
-        [](const PhotoReport& r) {
-          std::cerr << fmt::format("{} photographs ({} named but absent), {} points, {:.4g} m per unit\n",
-                                   r.photos,
-                                   r.absent,
-                                   r.points,
-                                   r.metres_per_unit);
-          if (r.masked > 0) {
-            std::cerr << fmt::format(
-                "{} masks of single photographs are left out; simuli mask hides what a camera always sees\n",
-                r.masked);
-          }
-        });
-  });
+  add_run<PhotoReport>(command, name, options, globals, run, tell_photos);
 }
 
-void import_nuscenes_scene(const NuscenesOptions& options, const Globals& globals) {
-  run_import<NuscenesReport>(
-      "nuscenes",
-      globals,
-      [&](const auto& progress, NuscenesReport& r) { return import_nuscenes(options, progress, r); },
-      [](const NuscenesReport& r) {
-        std::cerr << fmt::format(
-            "{} named files are absent; {} of {} rays returned\n", r.absent, r.returned, r.rays);
-      });
+Lines tell_nuscenes(const NuscenesReport& r) {
+  return {fmt::format("{} named files are absent; {} of {} rays returned", r.absent, r.returned, r.rays)};
 }
 
-void import_waymo_segment(const WaymoOptions& options, const Globals& globals) {
-  run_import<WaymoReport>(
-      "waymo",
-      globals,
-      [&](const auto& progress, WaymoReport& r) { return import_waymo(options, progress, r); },
-      [](const WaymoReport& r) {
-        std::cerr << fmt::format("{} frames; {} of {} rays returned\n", r.frames, r.returned, r.rays);
-      });
+Lines tell_waymo(const WaymoReport& r) {
+  return {fmt::format("{} frames; {} of {} rays returned", r.frames, r.returned, r.rays)};
 }
 
-void import_point_drive(const PointsOptions& options, const Globals& globals) {
-  run_import<PointReport>(
-      "points",
-      globals,
-      [&](const auto& progress, PointReport& r) { return import_points(options, progress, r); },
-      [](const PointReport& r) {
-        for (const std::string& note : r.notes) std::cerr << on_one_line(note) << '\n';
-        std::cerr << fmt::format(
-            "{} points, {} of them on no ray and {} second echoes left out; {} of {} rays returned\n",
-            r.points,
-            r.unplaced,
-            r.echoes,
-            r.returned,
-            r.rays);
-      });
+Lines tell_points(const PointReport& r) {
+  Lines lines = r.notes;
+  lines.push_back(points_line(r));
+  return lines;
 }
 
 struct SplatCommand {
@@ -160,18 +121,15 @@ void import_splats(SplatCommand command, const Globals& globals) {
   if (command.axes == "z-up") command.placement.axes = SplatAxes::kZUp;
   if (!command.pose.empty())
     command.placement.world_from_model = parse_mounting("--pose", command.pose).rig_from_lidar();
-  Eigen::Index left_out = 0;
-  const SceneFile scene =
-      scene_of_splats(read_splats(command.file, &left_out), command.file, command.placement);
+  const SceneFile scene = scene_of_splats(command.file, command.placement);
   write_scene(command.output, scene);
   const Eigen::AlignedBox3d box = extent_of(scene.scene.camera);
   const Eigen::Vector3d size = box.sizes(), from = scene.scene.origin + box.min();
-  if (left_out > 0)
-    std::cerr << fmt::format("{} particles left out: NaN, Inf or a zero quaternion\n", left_out);
+  if (scene.left_out > 0) std::cerr << fmt::format("left out: {}\n", broken_particles(scene.left_out));
   if (globals.json) {
     const nlohmann::ordered_json out = {{"folder", command.output},
                                         {"particles", scene.scene.camera.size()},
-                                        {"left_out", left_out},
+                                        {"left_out", scene.left_out},
                                         {"sh_degree", scene.scene.camera.sh_degree},
                                         {"from_m", {from.x(), from.y(), from.z()}},
                                         {"size_m", {size.x(), size.y(), size.z()}}};
@@ -193,6 +151,27 @@ void import_splats(SplatCommand command, const Globals& globals) {
 }
 
 }  // namespace
+
+void tell_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json) {
+  if (json) {
+    nlohmann::ordered_json out = log_json(log);
+    out["notes"] = nlohmann::ordered_json::array();
+    for (const std::string& note : notes) out["notes"].push_back(on_one_line(note));
+    std::cout << json_text(out) << '\n';
+    return;
+  }
+  for (const std::string& note : notes) (is_survey ? std::cout : std::cerr) << on_one_line(note) << '\n';
+  if (!is_survey || !log.world_from_rig.poses().empty()) print_log(log, false);
+}
+
+std::string points_line(const PointReport& r) {
+  return fmt::format("{} points, {} of them on no ray and {} second echoes left out; {} of {} rays returned",
+                     r.points,
+                     r.unplaced,
+                     r.echoes,
+                     r.returned,
+                     r.rays);
+}
 
 std::string runs_text(const std::vector<std::size_t>& numbers) {
   constexpr int kMostRuns = 10;
@@ -218,7 +197,6 @@ void add_import(Command app, const Globals& globals) {
   const auto options = std::make_shared<KittiOptions>();
   Command kitti = import.command("kitti", "KITTI raw drive: cameras, HDL-64E, oxts");
   kitti.option("DIR", options->drive, "folder of one drive, the calibration in its parent").required();
-  kitti.option("-o,--output", options->output, "log folder to write").required();
   kitti
       .option(
           "--cameras",
@@ -233,31 +211,36 @@ void add_import(Command app, const Globals& globals) {
   kitti.flag("--no-poses", options->without_poses, "a rig at rest; simuli align finds the path")
       .excludes("--poses");
   kitti.option("--beams", options->lidar, "LiDAR file (simuli fit beams); default: the built-in table");
-  kitti.run([options, &globals] { import_kitti_drive(*options, globals); });
+  add_run<KittiReport>(
+      kitti,
+      "kitti",
+      options,
+      globals,
+      [](const auto& asked, const auto& progress, KittiReport& r) {
+        return import_kitti(asked, progress, &r);
+      },
+      tell_kitti);
 
   const auto kitti360 = std::make_shared<Kitti360Options>();
   Command sequence =
       import.command("kitti360", "frames of KITTI-360: perspective and fisheye cameras, HDL-64E");
   sequence.option("DIR", kitti360->root, "folder of the data set: calibration, data_2d_raw ..").required();
-  sequence.option("-o,--output", kitti360->output, "log folder to write").required();
   sequence.option("--sequence", kitti360->sequence, "as 2013_05_28_drive_0000_sync; default: the only one");
   add_frames(sequence, kitti360, "the sequence's");
   sequence.option("--beams", kitti360->lidar, "LiDAR file (simuli fit beams); default: KITTI's own table");
-  sequence.run([kitti360, &globals] { import_kitti360_sequence(*kitti360, globals); });
+  add_run<Kitti360Report>(sequence, "kitti360", kitti360, globals, import_kitti360, tell_kitti360);
 
   const auto nuscenes = std::make_shared<NuscenesOptions>();
   Command scene = import.command("nuscenes", "a scene of nuScenes: cameras, LIDAR_TOP, boxes");
   scene.option("DIR", nuscenes->root, "folder of the data set: tables, samples, sweeps").required();
-  scene.option("-o,--output", nuscenes->output, "log folder to write").required();
   scene.option("--version", nuscenes->version, "folder of tables, as v1.0-mini; default: the only one");
   scene.option("--scene", nuscenes->scene, "as scene-0061; default: the only one");
-  scene.run([nuscenes, &globals] { import_nuscenes_scene(*nuscenes, globals); });
+  add_run<NuscenesReport>(scene, "nuscenes", nuscenes, globals, import_nuscenes, tell_nuscenes);
 
   const auto waymo = std::make_shared<WaymoOptions>();
   Command segment = import.command("waymo", "a segment of the Waymo Open Dataset: cameras, LiDAR TOP, boxes");
   segment.option("FILE", waymo->segment, ".tfrecord of frames (Perception, version 1)").required();
-  segment.option("-o,--output", waymo->output, "log folder to write").required();
-  segment.run([waymo, &globals] { import_waymo_segment(*waymo, globals); });
+  add_run<WaymoReport>(segment, "waymo", waymo, globals, import_waymo, tell_waymo);
 
   add_import_pandaset(import, globals);
   add_import_ros2(import, globals);
@@ -267,8 +250,7 @@ void add_import(Command app, const Globals& globals) {
   Command bare = import.command("points", "a drive of your own: points.json, lists of points, pictures");
   bare.option("DIR", points->folder, "folder with points.json (format: io/import/points/points_log.hpp)")
       .required();
-  bare.option("-o,--output", points->output, "log folder to write").required();
-  bare.run([points, &globals] { import_point_drive(*points, globals); });
+  add_run<PointReport>(bare, "points", points, globals, import_points, tell_points);
 
   const auto colmap = std::make_shared<ColmapOptions>();
   Command sub = import.command("colmap", "a COLMAP model with its photographs");

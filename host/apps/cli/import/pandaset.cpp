@@ -1,7 +1,6 @@
 #include "io/import/pandaset/pandaset.hpp"
 
 #include <fmt/format.h>
-#include <iostream>
 #include <memory>
 #include <string>
 
@@ -12,53 +11,46 @@
 namespace simuli::cli {
 namespace {
 
-void tell_pandaset(const PandasetReport& r) {
+std::vector<std::string> tell_pandaset(const PandasetReport& r) {
+  std::vector<std::string> lines;
   for (const PandasetGap& gap : r.gaps) {
-    std::cerr << fmt::format("{}: nothing recorded in {} of the frames: {}\n",
-                             gap.sensor,
-                             gap.frames.size(),
-                             runs_text(gap.frames));
+    lines.push_back(fmt::format("{}: nothing recorded in {} of the frames: {}",
+                                gap.sensor,
+                                gap.frames.size(),
+                                runs_text(gap.frames)));
   }
   for (const PandasetMount& mount : r.mounts) {
-    std::cerr << fmt::format(
-        "{}: poses of {} pictures lie {:.1f} mm and {:.3f} degrees off one mounting (RMS)\n",
-        mount.camera,
-        mount.poses,
-        1e3 * mount.off_m,
-        mount.off_rad / kDegree);
+    lines.push_back(
+        fmt::format("{}: poses of {} pictures lie {:.1f} mm and {:.3f} degrees off one mounting (RMS)",
+                    mount.camera,
+                    mount.poses,
+                    1e3 * mount.off_m,
+                    mount.off_rad / kDegree));
   }
   for (const std::string& rows : r.hidden)
-    std::cerr << fmt::format("{} show the vehicle and are hidden\n", rows);
+    lines.push_back(fmt::format("{} show the vehicle and are hidden", rows));
   if (r.points.points > 0) {
-    std::cerr << fmt::format(
-        "pandar64: turns {}clockwise, agreement {:.3f}; {} points, {} of them on no ray and {} second echoes "
-        "left "
-        "out; {} of {} rays returned\n",
-        r.is_clockwise ? "" : "counter-",
-        r.spin_agreement,
-        r.points.points,
-        r.points.unplaced,
-        r.points.echoes,
-        r.points.returned,
-        r.points.rays);
+    lines.push_back(fmt::format("pandar64: turns {}clockwise, agreement {:.3f}; {}",
+                                r.is_clockwise ? "" : "counter-",
+                                r.spin_agreement,
+                                points_line(r.points)));
   }
   if (r.list_rays > 0) {
-    std::cerr << fmt::format(
-        "pandargt: {} points as sweeps of {} rays, all of which returned; {} rays say a point again to make "
-        "that "
-        "many; left out: {} sweeps that another frame has\n",
+    lines.push_back(fmt::format(
+        "pandargt: {} points as sweeps of {} rays, all of which returned; {} rays say a point again "
+        "to make that many; left out: {} sweeps that another frame has",
         r.list_points,
         r.list_rays,
         r.list_repeated,
-        r.list_again);
+        r.list_again));
   }
-  std::cerr << fmt::format(
-      "{} boxes; left out: {} of the second LiDAR, of what the first one's boxes show; {} without a point, "
-      "at the "
-      "time of the front camera\n",
+  lines.push_back(fmt::format(
+      "{} boxes; left out: {} of the second LiDAR, of what the first one's boxes show; {} without a "
+      "point, at the time of the front camera",
       r.boxes,
       r.boxes_twice,
-      r.boxes_by_front);
+      r.boxes_by_front));
+  return lines;
 }
 
 }  // namespace
@@ -67,7 +59,6 @@ void add_import_pandaset(Command import, const Globals& globals) {
   const auto options = std::make_shared<PandasetOptions>();
   Command sub = import.command("pandaset", "a sequence of PandaSet: cameras, Pandar64, PandarGT, boxes");
   sub.option("DIR", options->sequence, "folder of one sequence: camera, lidar, annotations").required();
-  sub.option("-o,--output", options->output, "log folder to write").required();
   sub.option(
          "--cameras",
          [options](const std::string& text) { options->cameras = split(text, ','); },
@@ -79,13 +70,7 @@ void add_import_pandaset(Command import, const Globals& globals) {
          "of pandar64 and pandargt, parted by commas")
       .shown_as("NAME,...", "both");
   add_frames(sub, options, "the sequence's");
-  sub.run([options, &globals] {
-    run_import<PandasetReport>(
-        "pandaset",
-        globals,
-        [&](const auto& progress, PandasetReport& r) { return import_pandaset(*options, progress, r); },
-        tell_pandaset);
-  });
+  add_run<PandasetReport>(sub, "pandaset", options, globals, import_pandaset, tell_pandaset);
 }
 
 }  // namespace simuli::cli

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
@@ -10,7 +9,6 @@
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/apps/cli/import/run_import.hpp"
 #include "host/core/base/error.hpp"
-#include "host/core/base/one_line.hpp"
 #include "host/core/base/split.hpp"
 #include "io/import/ros2/ros2_log.hpp"
 #include "io/log/sensor_file.hpp"
@@ -19,10 +17,8 @@
 namespace simuli::cli {
 namespace {
 
-struct Ros2Command {
-  Ros2Options options;
-  std::vector<std::string> lidars, mounts, shutters, lenses;
-  bool is_survey = false;
+struct Ros2Command : Ros2Options {
+  std::vector<std::string> tables, mountings, readouts, files;
 };
 
 Ros2Lidar lidar_of(const std::string& text) {
@@ -53,42 +49,29 @@ std::pair<std::string, Ros2Shutter> shutter_of(const std::string& text) {
   }
 }
 
-void import_recording(const Ros2Command& command, const Globals& globals) {
-  Ros2Options options = command.options;
-  for (const std::string& text : command.lidars) options.lidars.push_back(lidar_of(text));
-  for (const std::string& text : command.mounts) {
+Log import_recording(Ros2Command asked,
+                     const std::function<void(std::size_t, std::size_t)>& progress,
+                     Ros2Report& report) {
+  for (const std::string& text : asked.tables) asked.lidars.push_back(lidar_of(text));
+  for (const std::string& text : asked.mountings) {
     const auto [topic, mount] = parted("--mount", text, ':');
-    options.mounts[topic] = parse_mounting("--mount", mount);
+    asked.mounts[topic] = parse_mounting("--mount", mount);
   }
-  for (const std::string& text : command.lenses) {
+  for (const std::string& text : asked.files) {
     const auto [topic, file] = parted("--camera", text, '=');
-    options.lenses[topic] = read_camera_file(file);
+    asked.lenses[topic] = read_camera_file(file);
   }
-  for (const std::string& text : command.shutters) options.shutters.insert(shutter_of(text));
-  if (command.is_survey) {
-    for (const std::string& line : survey_ros2(options)) std::cout << on_one_line(line) << '\n';
-    return;
-  }
-  if (options.output.empty()) refuse("--output", "", "a folder to write, or --survey");
-  run_import<Ros2Report>(
-      "mcap",
-      globals,
-      [&](const auto& progress, Ros2Report& r) { return import_ros2(options, progress, r); },
-      [](const Ros2Report& r) {
-        for (const std::string& note : r.notes) std::cerr << on_one_line(note) << '\n';
-        if (r.unposed > 0)
-          std::cerr << fmt::format("{} clouds and pictures lie beside the path and are left out\n",
-                                   r.unposed);
-        if (r.sweeps > 0) {
-          std::cerr << fmt::format(
-              "{} points, {} of them on no ray and {} second echoes left out; {} of {} rays returned\n",
-              r.points.points,
-              r.points.unplaced,
-              r.points.echoes,
-              r.points.returned,
-              r.points.rays);
-        }
-      });
+  for (const std::string& text : asked.readouts) asked.shutters.insert(shutter_of(text));
+  return import_ros2(asked, progress, report);
+}
+
+std::vector<std::string> tell_ros2(const Ros2Report& r) {
+  std::vector<std::string> lines = r.notes;
+  if (r.unposed > 0)
+    lines.push_back(fmt::format("{} clouds and pictures lie beside the path and are left out", r.unposed));
+  if (r.twice > 0) lines.push_back(fmt::format("{} clouds and pictures were recorded twice", r.twice));
+  if (r.sweeps > 0) lines.push_back(points_line(r.points));
+  return lines;
 }
 
 }  // namespace
@@ -115,15 +98,11 @@ Lidar lidar_table(const std::string& name) {
 
 void add_import_ros2(Command import, const Globals& globals) {
   const auto command = std::make_shared<Ros2Command>();
-  Ros2Options& options = command->options;
+  Ros2Command& options = *command;
   Command sub = import.command("mcap", "a recording of ROS 2: clouds, pictures, transforms");
   sub.option("FILE", options.recording, ".mcap or .db3, or a folder of such").required();
-  sub.option("-o,--output", options.output, "log folder to write; required but for --survey");
-  sub.flag("--survey",
-           command->is_survey,
-           "print what is in the recording and what an import would take; write nothing");
   sub.option("--lidar",
-             command->lidars,
+             command->tables,
              "TOPIC=SENSOR[:FRAME], a topic of PointCloud2, whose beams it has, built-in (velodyne_vlp16, at "
              "20 Hz "
              "alone velodyne_vlp16@20) or a LiDAR file (simuli fit beams), and the frame that these are in, "
@@ -133,23 +112,23 @@ void add_import_ros2(Command import, const Globals& globals) {
   sub.flag("--no-lidars", options.without_lidars, "pictures alone").excludes("--lidar");
   sub.option(
          "--cameras",
-         [command](const std::string& topics) { command->options.cameras = split(topics, ','); },
+         [command](const std::string& topics) { command->cameras = split(topics, ','); },
          "topics of Image or CompressedImage, parted by commas; default: all with a camera_info beside them")
       .shown_as("TOPIC,...", "");
   sub.option("--camera",
-             command->lenses,
+             command->files,
              "TOPIC=FILE, a camera file (simuli info NAME --json, simuli fit lens) instead of a CameraInfo, "
              "whose name "
              "and numbers the topic lacks or has wrong")
       .one_at_a_time();
   sub.option(
          "--topics",
-         [command](const std::string& topics) { command->options.topics = split(topics, ','); },
+         [command](const std::string& topics) { command->topics = split(topics, ','); },
          "that alone are read, parted by commas, of transforms and camera_infos, too; default: all")
       .shown_as("TOPIC,...", "");
   sub.option(
          "--ignore",
-         [command](const std::string& topics) { command->options.ignore = split(topics, ','); },
+         [command](const std::string& topics) { command->ignore = split(topics, ','); },
          "topics that are not read, parted by commas")
       .shown_as("TOPIC,...", "")
       .excludes("--topics");
@@ -159,11 +138,11 @@ void add_import_ros2(Command import, const Globals& globals) {
   sub.option("--odometry", options.odometry, "topic of Odometry for the path, instead of transforms");
   sub.flag("--no-poses", options.without_poses, "a rig at rest; simuli align finds the path");
   sub.option("--mount",
-             command->mounts,
+             command->mountings,
              "TOPIC:X,Y,Z,ROLL,PITCH,YAW of a sensor on the rig, m and degrees, instead of transforms")
       .one_at_a_time();
   sub.option("--shutter",
-             command->shutters,
+             command->readouts,
              "TOPIC:KIND:SECONDS of a camera that reads out its rows from the stamp on: top_to_bottom ...")
       .one_at_a_time();
   sub.option("--stamp",
@@ -175,7 +154,7 @@ void add_import_ros2(Command import, const Globals& globals) {
              "FIELD:UNIT[:absolute], UNIT s, ms, us, ns; default: as the drivers name it");
   sub.option(
       "--intensity", options.intensity, "FIELD:MOST; default: intensity:255, of Ouster reflectivity:255");
-  sub.run([command, &globals] { import_recording(*command, globals); });
+  add_run<Ros2Report>(sub, "mcap", command, globals, import_recording, tell_ros2);
 }
 
 }  // namespace simuli::cli

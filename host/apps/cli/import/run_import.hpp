@@ -11,20 +11,39 @@
 #include "host/apps/cli/base/file_progress.hpp"
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/apps/cli/info/info.hpp"
+#include "io/import/points/point_grid.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli::cli {
 
-/// What every import does: `run(progress, report)` returns the log, `tell(report)` says on stderr what became
-/// of what was recorded.
-template <class Report, class Run, class Tell>
-void run_import(const char* name, const Globals& globals, const Run& run, const Tell& tell) {
-  FileProgress progress(std::string("import ") + name, globals);
-  Report report;
-  const Log log = run(progress.callback(), report);
-  progress.finish();
-  tell(report);
-  print_log(log, globals.json);
+/// What became of what was recorded, a line each, then the log. The lines of an import are on stderr, of a survey
+/// on stdout; in JSON they are "notes".
+void tell_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json);
+
+/// What every import has and does: `run(options, progress, report)` returns the log, or what it would be where
+/// options.output is empty; `tell(report)` says what became of what was recorded.
+template <class Report, class Options, class Run, class Tell>
+void add_run(Command command,
+             const char* name,
+             const std::shared_ptr<Options>& options,
+             const Globals& globals,
+             const Run& run,
+             const Tell& tell) {
+  command.option("-o,--output", options->output, "log folder to write; required but for --survey");
+  const auto is_survey = std::make_shared<bool>(false);
+  command.flag("--survey",
+               *is_survey,
+               "print what was recorded and what an import would take and leave out; write nothing");
+  command.run([=, &globals] {
+    Options asked = *options;
+    if (*is_survey) asked.output.clear();
+    if (asked.output.empty() && !*is_survey) refuse("--output", "", "a folder to write, or --survey");
+    FileProgress progress(std::string("import ") + name, globals);
+    Report report;
+    const Log log = run(asked, progress.callback(), report);
+    progress.finish();
+    tell_import(log, tell(report), *is_survey, globals.json);
+  });
 }
 
 /// --frames a:b, and its ends each by itself.
@@ -51,6 +70,8 @@ void add_frames(Command command, const std::shared_ptr<Options>& options, const 
       .excludes("--frames");
 }
 
+/// What became of the points of clouds.
+[[nodiscard]] std::string points_line(const PointReport& report);
 /// "3, 177 to 180"; what is beyond the tenth run is only told to be there.
 [[nodiscard]] std::string runs_text(const std::vector<std::size_t>& numbers);
 /// The two sides of an option "FIRST=REST" or "FIRST:REST"; Error{kUsage} where one is missing.

@@ -12,6 +12,7 @@
 
 namespace simuli::cli {
 
+[[nodiscard]] nlohmann::ordered_json log_json(const Log& log);
 /// Prints to stdout.
 void print_log(const Log& log, bool json);
 /// The particles of a file that other programs read, too.

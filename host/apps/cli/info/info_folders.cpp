@@ -231,19 +231,21 @@ void print(const Json& json) { std::cout << json_text(json) << '\n'; }
 
 }  // namespace
 
+Json log_json(const Log& log) {
+  return {{"kind", "log"},
+          {"name", log.name},
+          {"start_ns", log.start_ns},
+          {"images", log.images.size()},
+          {"sweeps", log.sweeps.size()},
+          {"trajectory", trajectory_json(log.world_from_rig)},
+          {"sensors", sensors_json(SensorRig(log))},
+          {"recorded_frames", recorded_json(frame_spans(log))},
+          {"hidden_shares", hidden_json(log)},
+          {"actors", actors_json(log.actors, log.world_from_rig, &log)}};
+}
+
 void print_log(const Log& log, bool json) {
-  if (json) {
-    return print({{"kind", "log"},
-                  {"name", log.name},
-                  {"start_ns", log.start_ns},
-                  {"images", log.images.size()},
-                  {"sweeps", log.sweeps.size()},
-                  {"trajectory", trajectory_json(log.world_from_rig)},
-                  {"sensors", sensors_json(SensorRig(log))},
-                  {"recorded_frames", recorded_json(frame_spans(log))},
-                  {"hidden_shares", hidden_json(log)},
-                  {"actors", actors_json(log.actors, log.world_from_rig, &log)}});
-  }
+  if (json) return print(log_json(log));
   std::cout << fmt::format("log {}\n  {}, {}\n",
                            log.name,
                            counted(log.images.size(), "image"),
