@@ -183,7 +183,10 @@ std::optional<fs::path> cache_folder() {
 
 void prepare_driver_cache() {
   static std::once_flag once;
-  std::call_once(once, choose_driver_cache);
+  std::call_once(once, [] {
+    ::setenv("POCL_WORK_GROUP_SPECIALIZATION", "0", 0);
+    choose_driver_cache();
+  });
 }
 
 std::string driver_cache_note() { return note(); }

@@ -29,7 +29,9 @@ void save_binary(const std::string& key, const ProgramBinary& binary);
 /// PoCL keeps what it compiles in a folder of its own and is no device at all where it can't write there. To
 /// be called before OpenCL is: where PoCL could not (a read-only or full home) it is given, by
 /// POCL_CACHE_DIR, a temporary folder that goes with the process; and another folder after each crash that
-/// was counted, as a damaged one ends every start. Nothing is changed where the variable is set.
+/// was counted, as a damaged one ends every start. Nor does PoCL compile each kernel twice, for any size of
+/// launch, as its binaries want it, and for the size that it is launched with: the bits are the same, and so are
+/// times. Nothing is changed where the variables are set.
 void prepare_driver_cache();
 /// What of that whoever runs the program should know, one line; empty: nothing.
 [[nodiscard]] std::string driver_cache_note();
