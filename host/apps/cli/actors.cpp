@@ -19,6 +19,7 @@
 #include "optim/actors/compare_actors.hpp"
 #include "optim/actors/complete_actors.hpp"
 #include "optim/actors/find_actors.hpp"
+#include "optim/log/own_vehicle.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -130,7 +131,8 @@ void actors(const ActorsCommand& command, const Globals& globals) {
   if (!command.output.empty()) need_new_path(command.output);  // known now, not after the search
   std::optional<Log> labelled;
   if (!command.labelled.empty()) labelled = read_log(command.labelled);
-  const FoundActors found = find_actors(log, command.frames, command.options);
+  const FoundActors found =
+      find_actors(with_blind_arcs(log, command.frames), command.frames, command.options);
   std::optional<CompletedActors> completed;
   if (command.keeps_labels) completed = complete_actors(std::move(log.actors), found.actors);
   if (!command.output.empty()) {
