@@ -107,6 +107,7 @@ class Scanner {
       if (!topic.fields) topic.fields = fields;
       if (!points.empty()) topic.first_sweeps.push_back(std::move(points));
     } catch (const Error& error) {
+      if (error.kind() == ErrorKind::kUsage) throw;  // of an option, not of a message
       if (topic.unreadable.empty()) topic.unreadable = error.what();
     }
   }
