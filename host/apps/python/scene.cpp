@@ -24,6 +24,7 @@ class PyScene {
     if (file_.left_out > 0) {
       const std::string text =
           fmt::format("{}: left out: {}", folder.string(), broken_particles(file_.left_out));
+      const py::gil_scoped_acquire python;  // the device's lock is waited for without it
       if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) < 0) throw py::error_already_set();
     }
     scene_ = std::make_shared<const Scene>(std::exchange(file_.scene, {}));
