@@ -158,9 +158,10 @@ void tell_import(const Log& log, const std::vector<std::string>& notes, bool is_
     out["notes"] = nlohmann::ordered_json::array();
     for (const std::string& note : notes) out["notes"].push_back(on_one_line(note));
     std::cout << json_text(out) << '\n';
-    return;
   }
+  if (json && is_survey) return;
   for (const std::string& note : notes) (is_survey ? std::cout : std::cerr) << on_one_line(note) << '\n';
+  if (json) return;
   if (!is_survey || !log.world_from_rig.poses().empty()) print_log(log, false);
 }
 
