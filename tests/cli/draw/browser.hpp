@@ -48,12 +48,14 @@ class Browser {
     }
     return false;
   }
-  void drag(int x, int y, int dx, int dy) {
+  void drag(int x, int y, int dx, int dy, int rest_ms = 0) {
     const auto move = [](int to_x, int to_y) {
       return nlohmann::json{{"type", "pointerMove"}, {"duration", 100}, {"x", to_x}, {"y", to_y}};
     };
     const nlohmann::json steps = {move(x, y),
                                   {{"type", "pointerDown"}, {"button", 0}},
+                                  move(x + dx / 2, y + dy / 2),
+                                  {{"type", "pause"}, {"duration", rest_ms}},
                                   move(x + dx, y + dy),
                                   {{"type", "pointerUp"}, {"button", 0}}};
     const nlohmann::json pointer = {

@@ -272,7 +272,10 @@ TEST_F(ViewPage, PointsToWhatIsThere) {
   const json box = tell(
       "(r => { const [x, y] = points.orbit.project(points.boxes[0].t, points.aspect); "
       "return [r.left + x * r.width, r.top + y * r.height]; })($('points').getBoundingClientRect())");
-  browser_->drag(box.at(0).get<int>(), box.at(1).get<int>(), 30, 4);
+  act("settle(); steps = past.before.length");
+  browser_->drag(box.at(0).get<int>(), box.at(1).get<int>(), 30, 4, 600);
+  act("settle()");
+  EXPECT_EQ(tell("past.before.length - steps"), 1) << "a drag that rests on its way is one step";
   EXPECT_EQ(tell("state.edits.moved.car.length"), 3);
   EXPECT_EQ(tell("[state.edits.moved.car[2], state.edits.moved.car.every(v => v === +v.toFixed(3))]"),
             json({0, true}));
@@ -313,6 +316,72 @@ TEST_F(ViewPage, PointsToWhatIsThere) {
   EXPECT_TRUE(browser_->wait_for("$('command-box').open && $('command').value.startsWith('simuli render')"));
   act("$('layer').value = 'depth'; $('layer').onchange()");
   EXPECT_EQ(tell("$('command-box').open"), false);
+  expect_no_errors();
+}
+
+TEST_F(ViewPage, TakesWhatItsHelpSays) {
+  NEED_BROWSER();
+  make_street_scene(3);
+  open("s.scene");
+  ASSERT_TRUE(browser_->resize_to(1280, 720));
+  EXPECT_TRUE(changes("points", [&] { set("size", "6"); }));
+  EXPECT_EQ(tell("state.size"), 6);
+  set("colour", "intensity");
+  EXPECT_TRUE(browser_->wait_for("$('lidar-scale').textContent.includes('square root')"));
+  // Keys move what was clicked last: the picture's camera, or what the 3D view turns about.
+  browser_->drag(100, 300, 0, 0);
+  act("was = [state.forward, state.left, state.up]");
+  for (const char* name : {"w", "a", "PageUp"}) key(name);
+  EXPECT_EQ(tell("[state.forward > was[0], state.left > was[1], state.up > was[2]]"),
+            json({true, true, true}));
+  key("r");
+  EXPECT_EQ(tell("[state.forward, state.left, state.up, state.yaw, state.pitch]"), json({0, 0, 0, 0, 0}));
+  browser_->drag(1000, 600, 0, 0);
+  act("was = JSON.stringify(points.orbit.target)");
+  key("w");
+  EXPECT_EQ(tell("[JSON.stringify(points.orbit.target) !== was, state.forward]"), json({true, 0}));
+  // The wheel goes nearer, a double click turns about a point.
+  act("was = points.orbit.distance; $('points').dispatchEvent(new WheelEvent('wheel', {deltaY: -300, "
+      "clientX: 900, "
+      "clientY: 300, cancelable: true}))");
+  EXPECT_EQ(tell("points.orbit.distance < was"), true);
+  act("points.orbit.target = [...points.points.subarray(0, 3)]; points.orbit.distance = 8; orbited();"
+      "was = JSON.stringify(points.orbit.target); const at = "
+      "points.orbit.project([...points.points.subarray(7, 10)], "
+      "points.aspect), r = $('points').getBoundingClientRect(); $('points').dispatchEvent(new "
+      "MouseEvent('dblclick', "
+      "{clientX: r.left + at[0] * r.width, clientY: r.top + at[1] * r.height, bubbles: true}))");
+  EXPECT_TRUE(browser_->wait_for("JSON.stringify(points.orbit.target) !== was"));
+  // What a key turns on it turns off again.
+  for (const auto& [name, what] : {std::pair{"b", "boxes"}, {"l", "loop"}, {"e", "every"}}) {
+    act(fmt::format("was = state.{}", what));
+    key(name);
+    EXPECT_EQ(tell(fmt::format("state.{} === !was", what)), true) << name;
+    key(name);
+    EXPECT_EQ(tell(fmt::format("state.{} === was", what)), true) << name;
+  }
+  act("$('time').value = 0.4; $('time').oninput()");
+  EXPECT_TRUE(browser_->wait_for("state.time === 0.4 && Math.abs($('picture').dataset.time - 0.4) < 0.06"));
+  // On the picture one finger looks around and two go on.
+  const auto touch = [&](const char* kind, const std::string& fingers) {
+    browser_->command("Input.dispatchTouchEvent", {{"type", kind}, {"touchPoints", json::parse(fingers)}});
+  };
+  act("was = state.yaw");
+  touch("touchStart", R"([{"x": 200, "y": 300, "id": 1}])");
+  touch("touchMove", R"([{"x": 260, "y": 300, "id": 1}])");
+  touch("touchEnd", "[]");
+  EXPECT_EQ(tell("state.yaw !== was"), true);
+  act("was = state.forward");
+  touch("touchStart", R"([{"x": 200, "y": 300, "id": 1}, {"x": 300, "y": 300, "id": 2}])");
+  touch("touchMove", R"([{"x": 170, "y": 300, "id": 1}, {"x": 330, "y": 300, "id": 2}])");
+  touch("touchEnd", "[]");
+  EXPECT_EQ(tell("state.forward > was"), true);
+  // Each layer is shown, by its name.
+  for (const char* layer : {"depth", "opacity", "support"}) {
+    set("layer", layer);
+    EXPECT_TRUE(browser_->wait_for(fmt::format("$('camera-time').textContent.includes('{}')", layer)));
+  }
+  EXPECT_TRUE(browser_->wait_for("$('camera-scale').textContent.includes('as recorded')"));
   expect_no_errors();
 }
 

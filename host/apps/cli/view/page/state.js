@@ -54,10 +54,13 @@ function showPast() {
   $('redo').disabled = past.after.length === 0;
 }
 let settling = 0;
-// After each change: what comes in one go is one step.
+let held = 0;  // pointers that are down
+for (const [type, by] of [['pointerdown', 1], ['pointerup', -1], ['pointercancel', -1]])
+  addEventListener(type, () => { held = Math.max(0, held + by); }, true);
+// After each change: what comes in one go, or of one drag, is one step.
 function changed() {
   clearTimeout(settling);
-  settling = setTimeout(settle, 300);
+  settling = setTimeout(() => (held > 0 ? changed() : settle()), 300);
 }
 function step(from, to) {
   clearTimeout(settling);
