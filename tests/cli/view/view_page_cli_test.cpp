@@ -55,6 +55,9 @@ class ViewPage : public ViewCli {
   void key(const std::string& name, const std::string& more = "") {
     act(fmt::format("document.dispatchEvent(new KeyboardEvent('keydown', {{key: '{}', {}}}))", name, more));
   }
+  void touch(const char* kind, const std::string& fingers) {
+    browser_->command("Input.dispatchTouchEvent", {{"type", kind}, {"touchPoints", json::parse(fingers)}});
+  }
   /// Whether the canvas looks different within some seconds.
   bool changes(const std::string& canvas, const std::function<void()>& how) {
     const std::string look = "$('" + canvas + "').toDataURL()";
@@ -289,9 +292,6 @@ TEST_F(ViewPage, PointsToWhatIsThere) {
   act("maximise('space')");
   EXPECT_TRUE(browser_->wait_for("Math.abs($('photo').width / $('photo').height - points.aspect) < 0.02"));
   // One finger turns, two pan and pinch.
-  const auto touch = [&](const char* kind, const std::string& fingers) {
-    browser_->command("Input.dispatchTouchEvent", {{"type", kind}, {"touchPoints", json::parse(fingers)}});
-  };
   act("was = structuredClone({...points.orbit})");
   touch("touchStart", R"([{"x": 900, "y": 300, "id": 1}])");
   touch("touchMove", R"([{"x": 950, "y": 300, "id": 1}])");
@@ -363,9 +363,6 @@ TEST_F(ViewPage, TakesWhatItsHelpSays) {
   act("$('time').value = 0.4; $('time').oninput()");
   EXPECT_TRUE(browser_->wait_for("state.time === 0.4 && Math.abs($('picture').dataset.time - 0.4) < 0.06"));
   // On the picture one finger looks around and two go on.
-  const auto touch = [&](const char* kind, const std::string& fingers) {
-    browser_->command("Input.dispatchTouchEvent", {{"type", kind}, {"touchPoints", json::parse(fingers)}});
-  };
   act("was = state.yaw");
   touch("touchStart", R"([{"x": 200, "y": 300, "id": 1}])");
   touch("touchMove", R"([{"x": 260, "y": 300, "id": 1}])");
