@@ -153,16 +153,17 @@ void import_splats(SplatCommand command, const Globals& globals) {
 }  // namespace
 
 void tell_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json) {
+  if (!is_survey || !json) {
+    for (const std::string& note : notes) (is_survey ? std::cout : std::cerr) << on_one_line(note) << '\n';
+  }
   if (json) {
     nlohmann::ordered_json out = log_json(log);
     out["notes"] = nlohmann::ordered_json::array();
     for (const std::string& note : notes) out["notes"].push_back(on_one_line(note));
     std::cout << json_text(out) << '\n';
+  } else if (!is_survey || !log.world_from_rig.poses().empty()) {
+    print_log(log, false);
   }
-  if (json && is_survey) return;
-  for (const std::string& note : notes) (is_survey ? std::cout : std::cerr) << on_one_line(note) << '\n';
-  if (json) return;
-  if (!is_survey || !log.world_from_rig.poses().empty()) print_log(log, false);
 }
 
 std::string points_line(const PointReport& r) {
