@@ -56,7 +56,6 @@ constexpr void visit_fields(ImageWeights& o, F&& field) {
   field.keyless(o.squared);
 }
 
-/// Environment and colour grids of the camera set.
 /// What learns a colour transform of its own.
 enum class ColorGridsOf : int {
   kAuto = 0,  // kPictures where one camera trains, else each camera, next to constant over its pictures
@@ -64,6 +63,7 @@ enum class ColorGridsOf : int {
   kNone = 2,
 };
 
+/// Environment and colour grids of the camera set.
 struct LookOptions {
   /// Quarter size, 200 to 400 iterations, none and kAuto: drive 0052 27.99 and 28.30 dB, 0013 24.06 and 24.35, the
   /// street 30.41 and 30.44, PandaSet 28.92 and 29.77 (kPictures 29.15: six cameras show each too rarely).
@@ -79,8 +79,7 @@ constexpr void visit_fields(LookOptions& o, F&& field) {
         o.color_grids,
         one_of("auto", "pictures", "none"),
         "What learns colour transforms for exposure and white balance. auto: each picture of a single "
-        "camera, each "
-        "of several cameras; none: frames render a seventh faster.");
+        "camera, each of several cameras; none: frames render a seventh faster.");
   field.keyless(o.environment_rate);
   field.keyless(o.grid_rate);
   field("look.least_share",
