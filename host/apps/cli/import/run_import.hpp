@@ -17,7 +17,7 @@
 namespace simuli::cli {
 
 /// What became of what was recorded, a line each, then the log. The lines of an import are on stderr, of a survey
-/// on stdout; in JSON they are "notes".
+/// on stdout; JSON has them as "notes", too.
 void tell_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json);
 
 /// What every import has and does: `run(options, progress, report)` returns the log, or what it would be where
