@@ -21,7 +21,7 @@ struct Values {
   std::int64_t many = 4;
   std::size_t size = 5;
   double length_m = 0.25;
-  std::vector<std::string> names;
+  std::vector<std::string> names, parts{"preset"}, levels;
   bool flag = false, other = true;
 };
 
@@ -42,6 +42,9 @@ class CommandTest : public testing::Test {
                "the next one, and on");
     sub.option("--length", values_.length_m, "m").positive().with_default();
     sub.option("--names", values_.names, "of all").answers("help", [this] { ++answers_; });
+    sub.option("--parts", values_.parts, "of it").parted_by_commas();
+    sub.option(
+        "--level", [this](const std::string& text) { values_.levels.push_back(text); }, "of care");
     sub.flag("--flag", values_.flag, "says yes");
     sub.flag("--other,!--no-other", values_.other, "says yes or no");
     sub.run([this] { ++runs_; });
@@ -95,6 +98,17 @@ TEST_F(CommandTest, OptionsSetWhatTheyNameAndNothingElse) {
   EXPECT_FALSE(values_.flag);
   EXPECT_TRUE(values_.other);
   EXPECT_FALSE(count_->is_given());
+}
+
+TEST_F(CommandTest, ASecondValueAddsToAListOrIsRefused) {
+  ASSERT_TRUE(parse({"draw", "--parts", "a,b", "f", "--parts", "c", "--level", "high"}));
+  EXPECT_EQ(values_.parts, (std::vector<std::string>{"a", "b", "c"}));
+  EXPECT_EQ(values_.file, "f");
+  EXPECT_EQ(values_.levels, std::vector<std::string>{"high"});
+  EXPECT_EQ(refusal({"draw", "f", "--level", "low", "--level", "high"}),
+            "--level: At Most 1 required but received 2 (program draw --help)");
+  EXPECT_EQ(refusal({"draw", "f", "--many", "1", "--many", "2"}),
+            "--many: At Most 1 required but received 2 (program draw --help)");
 }
 
 TEST_F(CommandTest, FlagsSayYesOrNo) {

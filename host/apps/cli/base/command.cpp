@@ -242,6 +242,11 @@ Option& Option::one_at_a_time() {
   return *this;
 }
 
+Option& Option::parted_by_commas() {
+  option_->allow_extra_args(false)->delimiter(',');
+  return *this;
+}
+
 Option& Option::answers(const std::string& value, std::function<void()> answer) {
   option_->each([value, answer = std::move(answer)](const std::string& given) {
     if (given == value) throw Answer{answer};
@@ -295,7 +300,7 @@ template Option Command::option(const std::string&, std::vector<std::string>&, c
 Option Command::option(const std::string& names,
                        const std::function<void(const std::string&)>& read,
                        const std::string& help) const {
-  return Option(app_->add_option_function<std::string>(names, read, help)->trigger_on_parse(), marks_);
+  return Option(app_->add_option_function<std::string>(names, read, help), marks_);
 }
 
 Option Command::flag(const std::string& names, bool& value, const std::string& help) const {

@@ -50,6 +50,8 @@ class Option {
   Option& values(int least, int most);
   /// Of a vector: one value each time that the option is given, any number of times.
   Option& one_at_a_time();
+  /// The same, and a value may be several with commas between them.
+  Option& parted_by_commas();
   /// For this value nothing is run or required: `answer` is, once the whole command line has been read.
   Option& answers(const std::string& value, std::function<void()> answer);
   /// Not together with the option of that name, which stands before this one.
@@ -91,7 +93,7 @@ class Command {
   /// does; it keeps what it has when the option is not given.
   template <OptionValue T>
   Option option(const std::string& names, T& value, const std::string& help) const;
-  /// `read` gets the text as soon as it is met, before any command runs.
+  /// `read` gets the text before any command runs.
   Option option(const std::string& names,
                 const std::function<void(const std::string&)>& read,
                 const std::string& help) const;

@@ -10,7 +10,6 @@
 #include "host/apps/cli/import/run_import.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/base/one_line.hpp"
-#include "host/core/base/split.hpp"
 #include "host/core/scene/placement.hpp"
 #include "io/base/output.hpp"
 #include "io/import/kitti/kitti.hpp"
@@ -202,8 +201,9 @@ void add_import(Command app, const Globals& globals) {
   kitti
       .option(
           "--cameras",
-          [options](const std::string& names) { options->cameras = split(names, ','); },
+          options->cameras,
           "of image_02 (left), image_03 (right) and the grey ones image_00 and image_01, parted by commas")
+      .parted_by_commas()
       .shown_as("NAME,...", "image_02");
   add_frames(kitti, options, "the drive's");
   kitti.option("--poses", options->poses, "JSON with world_from_velo per frame; default: poses from oxts");

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "host/apps/cli/import/run_import.hpp"
-#include "host/core/base/split.hpp"
 #include "io/import/ncore/ncore_log.hpp"
 
 namespace simuli::cli {
@@ -38,15 +37,11 @@ void add_import_ncore(Command import, const Globals& globals) {
              options.sequence,
              ".zarr folder, .zarr.itar, a folder of several, or the .json that lists them")
       .required();
-  sub.option(
-         "--cameras",
-         [command](const std::string& text) { command->cameras = split(text, ','); },
-         "these alone, parted by commas")
+  sub.option("--cameras", command->cameras, "these alone, parted by commas")
+      .parted_by_commas()
       .shown_as("NAME,...", "all");
-  sub.option(
-         "--lidars",
-         [command](const std::string& text) { command->lidars = split(text, ','); },
-         "these alone, parted by commas")
+  sub.option("--lidars", command->lidars, "these alone, parted by commas")
+      .parted_by_commas()
       .shown_as("NAME,...", "all");
   sub.option("--lidar",
              command->lidar_tables,

@@ -6,7 +6,6 @@
 
 #include "host/apps/cli/import/run_import.hpp"
 #include "host/core/base/angles.hpp"
-#include "host/core/base/split.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -59,15 +58,11 @@ void add_import_pandaset(Command import, const Globals& globals) {
   const auto options = std::make_shared<PandasetOptions>();
   Command sub = import.command("pandaset", "a sequence of PandaSet: cameras, Pandar64, PandarGT, boxes");
   sub.option("DIR", options->sequence, "folder of one sequence: camera, lidar, annotations").required();
-  sub.option(
-         "--cameras",
-         [options](const std::string& text) { options->cameras = split(text, ','); },
-         "these alone, parted by commas")
+  sub.option("--cameras", options->cameras, "these alone, parted by commas")
+      .parted_by_commas()
       .shown_as("NAME,...", "all");
-  sub.option(
-         "--lidars",
-         [options](const std::string& text) { options->lidars = split(text, ','); },
-         "of pandar64 and pandargt, parted by commas")
+  sub.option("--lidars", options->lidars, "of pandar64 and pandargt, parted by commas")
+      .parted_by_commas()
       .shown_as("NAME,...", "both");
   add_frames(sub, options, "the sequence's");
   add_run<PandasetReport>(sub, "pandaset", options, globals, import_pandaset, tell_pandaset);

@@ -112,8 +112,9 @@ void add_import_ros2(Command import, const Globals& globals) {
   sub.flag("--no-lidars", options.without_lidars, "pictures alone").excludes("--lidar");
   sub.option(
          "--cameras",
-         [command](const std::string& topics) { command->cameras = split(topics, ','); },
+         command->cameras,
          "topics of Image or CompressedImage, parted by commas; default: all with a camera_info beside them")
+      .parted_by_commas()
       .shown_as("TOPIC,...", "");
   sub.option("--camera",
              command->files,
@@ -121,15 +122,13 @@ void add_import_ros2(Command import, const Globals& globals) {
              "whose name "
              "and numbers the topic lacks or has wrong")
       .one_at_a_time();
-  sub.option(
-         "--topics",
-         [command](const std::string& topics) { command->topics = split(topics, ','); },
-         "that alone are read, parted by commas, of transforms and camera_infos, too; default: all")
+  sub.option("--topics",
+             command->topics,
+             "that alone are read, parted by commas, of transforms and camera_infos, too; default: all")
+      .parted_by_commas()
       .shown_as("TOPIC,...", "");
-  sub.option(
-         "--ignore",
-         [command](const std::string& topics) { command->ignore = split(topics, ','); },
-         "topics that are not read, parted by commas")
+  sub.option("--ignore", command->ignore, "topics that are not read, parted by commas")
+      .parted_by_commas()
       .shown_as("TOPIC,...", "")
       .excludes("--topics");
   sub.option("--rig-frame", options.rig_frame, "the vehicle's frame").with_default();
