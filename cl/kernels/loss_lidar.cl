@@ -4,6 +4,9 @@
 #include "shared/layout.h"
 
 #define SIM_MIN_OPACITY R(1e-3)
+// Where a returned ray's distance weighs 1, and up to where rays weigh more the shorter they are.
+#define SIM_WEIGHS_ONE_M R(10.0)
+#define SIM_WEIGHS_MOST_M R(1.0)
 #define SIM_DROP_PARAMETERS (sizeof(DropConstants) / sizeof(real))
 
 // GPUs keep a ray's sums in registers, which have no index.
@@ -45,14 +48,15 @@ FN void drop_backward(
 }
 
 /// LS work-items per tile. With O = 1 - T, d^ = (sum of w tau) / O and p of the drop function:
-///   distance:  mean over returned rays of |d^ - d|, where O > 0.001 (elsewhere nothing has a distance)
+///   distance:  mean over returned rays of |d^ - d| sqrt(10 m / max(d, 1 m)), where O > 0.001 (elsewhere nothing has a
+///              distance)
 ///   intensity: mean over returned rays of |feature0 - intensity|
 ///   drop:      mean over all rays of the cross entropy of p
 /// scale[4]: weight of each term over its number of rays; of the last, of what particles get and of what the
 /// function's parameters get.
 /// in  out[7][slots]; truth[2][slots]: range (m, 0: no return, below 0: not known) and intensity;
 ///     world_ray: zero marks no ray
-/// out grad_out[5][slots]; sums[tiles][4 + SIM_DROP_PARAMETERS]: |d^ - d|, |intensity error|, cross entropy, wrong
+/// out grad_out[5][slots]; sums[tiles][4 + SIM_DROP_PARAMETERS]: distance, |intensity error|, cross entropy, wrong
 ///     decisions, dL/d(parameters of the drop function)
 __kernel SIM_GROUP void loss_lidar(const FrameParams frame,
                                    __global const SensorConstants* sensor,
@@ -108,12 +112,14 @@ __kernel SIM_GROUP void loss_lidar(const FrameParams frame,
     const F inv_opacity = R(1.0) / SEL(placed, opacity, (F)R(1.0));
     const F distance = distance_sum * inv_opacity;
     const F error = SEL(placed, distance - range, (F)R(0.0));
-    sign = SEL(error > R(0.0), (F)R(1.0), (F)R(0.0));
-    sign = SEL(error < R(0.0), (F)R(-1.0), sign) * scale[0];
+    // Metres alone leave thin things near at hand to what is far behind them: a leaf that two rays of five meet.
+    const F weight = sqrt(SIM_WEIGHS_ONE_M / VMAX(range, (F)SIM_WEIGHS_MOST_M));
+    sign = SEL(error > R(0.0), weight, (F)R(0.0));
+    sign = SEL(error < R(0.0), -weight, sign) * scale[0];
     STV(grad_out + SIM_O_DISTANCE * s + i, sign * inv_opacity);
     STV(grad_out + SIM_O_TRANSMITTANCE * s + i,
         fma(slope * scale[2], by_transmittance, sign * distance * inv_opacity));
-    sum_distance += fabs(error);
+    sum_distance = fma(weight, fabs(error), sum_distance);
   }
   __global real* of_tile = sums + tile * (4 + SIM_DROP_PARAMETERS);
   const F* all = (const F*)&drops;

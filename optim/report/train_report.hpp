@@ -15,7 +15,7 @@ struct TrainStatus {
   int iteration = 0;  // done
   int planned = 0;    // as far as it is known: a training that decides itself may go on
   double psnr_db = 0.0;
-  double distance_m = 0.0;     // mean |d^ - d| over returned rays, expected distance
+  double distance_m = 0.0;     // mean over returned rays, expected distance, as it is taught (LidarLoss)
   double drop_accuracy = 0.0;  // share of rays
   std::uint32_t camera_particles = 0;
   std::uint32_t lidar_particles = 0;

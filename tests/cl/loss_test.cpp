@@ -142,7 +142,8 @@ RayTerms terms_of(const std::vector<double>& out,
   const double opacity = 1.0 - out[SIM_O_TRANSMITTANCE * kSlots + i];
   if (returned) terms.intensity = std::abs(out[i] - truth[kSlots + i]);
   if (returned && opacity > 1e-3) {
-    terms.distance = std::abs(out[SIM_O_DISTANCE * kSlots + i] / opacity - truth[i]);
+    terms.distance = std::abs(out[SIM_O_DISTANCE * kSlots + i] / opacity - truth[i]) *
+                     std::sqrt(10.0 / std::max(truth[i], 1.0));
   }
   const double logit = reference::drop_logit(drop,
                                              {.feature = {out[i], out[kSlots + i], out[2 * kSlots + i]},
@@ -175,8 +176,8 @@ TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
   Rendered rendered(device_, precision());
   LidarLossStage stage(device_, precision(), GetParam().second);
   std::vector<double> truth_values = random_truth(2, 0.0, 1.0, 6);
-  // A third has no return; the second channel stays an intensity.
-  for (std::size_t i = 0; i < kSlots; ++i) truth_values[i] = i % 3 == 0 ? 0.0 : 1.0 + 49.0 * truth_values[i];
+  // A third has no return, some ranges are below 1 m; the second channel stays an intensity.
+  for (std::size_t i = 0; i < kSlots; ++i) truth_values[i] = i % 3 == 0 ? 0.0 : 0.5 + 49.5 * truth_values[i];
   RealBuffer truth(device_, "truth", precision());
   truth.assign(std::span<const double>(truth_values));
   constexpr LidarLossScale kScale{0.11, 0.7, 0.3, 0.45};

@@ -18,8 +18,8 @@ struct ImageLossScale {
   double dissimilarity = 0.0;
 };
 
-/// Sums of a sweep's losses: |d^ - d| (m) and |intensity error| over returned rays, cross entropy and
-/// wrong drop decisions over all rays. drop: dL/d(parameters of the drop function), scaled.
+/// Sums of a sweep's losses: |d^ - d| sqrt(10 m / max(d, 1 m)) (m) and |intensity error| over returned rays, cross
+/// entropy and wrong drop decisions over all rays. drop: dL/d(parameters of the drop function), scaled.
 struct LidarLoss {
   double distance_m = 0.0;
   double intensity = 0.0;
