@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "host/core/base/error.hpp"
+#include "io/picture/sized_image.hpp"
 
 namespace simuli {
 
@@ -36,16 +37,23 @@ void CameraMask::add(const CameraMask& other) {
   });
 }
 
+/// Masks of whole photographs lie beside pictures made smaller.
+static constexpr double kLargestMaskScale = 16.0;
+
 CameraMask read_camera_mask(const std::filesystem::path& file, const Camera& camera) {
-  const Image image = read_image(file);
-  const double scale = static_cast<double>(image.width) / camera.width;
-  if (std::abs(camera.height * scale - image.height) > std::max(scale, 1.0)) {
-    throw_input_error(
-        file.string(),
-        "size_px",
-        fmt::format("{} x {}", image.width, image.height),
-        fmt::format("{} x {} as camera {}, or of that shape", camera.width, camera.height, camera.name));
-  }
+  const Image image = read_image(file, [&](int width, int height) {
+    const double scale = static_cast<double>(width) / camera.width;
+    const bool is_of_its_shape = std::abs(camera.height * scale - height) <= std::max(scale, 1.0);
+    if (is_of_its_shape && scale <= kLargestMaskScale) return;
+    throw_input_error(file.string(),
+                      "size_px",
+                      fmt::format("{} x {}", width, height),
+                      fmt::format("{} x {} as camera {}, or of that shape and up to {} times as wide",
+                                  camera.width,
+                                  camera.height,
+                                  camera.name,
+                                  kLargestMaskScale));
+  });
   CameraMask mask{camera.width, camera.height, {}};
   mask.hidden.reserve(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
   for (int y = 0; y < camera.height; ++y) {

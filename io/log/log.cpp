@@ -14,7 +14,7 @@
 #include "io/log/camera_mask.hpp"
 #include "io/log/log_json.hpp"
 #include "io/log/new_log.hpp"
-#include "io/picture/image.hpp"
+#include "io/picture/sized_image.hpp"
 
 namespace simuli {
 namespace {
@@ -280,13 +280,7 @@ std::string log_hash(const Log& log) {
 }
 
 void copy_picture(const fs::path& from, const fs::path& to, const Camera& camera, const std::string& source) {
-  const Image image = read_image(from);
-  if (image.width != camera.width || image.height != camera.height) {
-    throw_input_error(from.string(),
-                      "size_px",
-                      fmt::format("{} x {}", image.width, image.height),
-                      fmt::format("{} x {} of {}", camera.width, camera.height, source));
-  }
+  (void)read_image(from, camera.width, camera.height, source);
   write_file_atomically(to, read_file(from));
 }
 

@@ -116,8 +116,8 @@ Sweep read_recorded_sweep(const fs::path& file, const SweepShape& shape) {
   Sweep sweep;
   sweep.rays.rows = layout.height;
   sweep.rays.columns = layout.width;
-  std::vector<float> pixels(count * kChannels.size());
-  if (const PictureFailure incomplete = input->read(pixels.data())) refuse(file, *incomplete);
+  std::vector<float> pixels;
+  if (const PictureFailure incomplete = input->read(pixels)) refuse(file, *incomplete);
   for (std::size_t c = 0; c < kChannels.size(); ++c) {
     std::vector<float>& values = kChannels[c].values(sweep);
     values.resize(count);

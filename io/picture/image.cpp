@@ -13,6 +13,7 @@
 #include "io/base/regular_file.hpp"
 #include "io/picture/codec/picture_codec.hpp"
 #include "io/picture/exr_header.hpp"
+#include "io/picture/sized_image.hpp"
 
 namespace simuli {
 namespace {
@@ -205,15 +206,19 @@ std::vector<Footprint> footprints(int old_size, int new_size) {
 }
 
 /// With the channels that the file has.
-Image read_stored(const fs::path& file) {
+Image read_stored(const fs::path& file, const std::function<void(int, int)>& need_size) {
   need_regular_file(file);
   require_whole_png(file);
   const auto [input, format] = open_picture(file);
   const PictureLayout layout = input->layout();
   require_size(file, layout);
   require_pixels_for(file, format, layout);
-  Image stored(layout.width, layout.height, layout.channels);
-  if (const PictureFailure failure = input->read(stored.data.data()))
+  if (need_size) need_size(layout.width, layout.height);
+  Image stored;
+  stored.width = layout.width;
+  stored.height = layout.height;
+  stored.channels = layout.channels;
+  if (const PictureFailure failure = input->read(stored.data))
     throw_input_error(file.string(), "pixels", one_line(*failure), "a whole picture");
   if (format == "jpeg") require_jpeg_end(file);
   return stored;
@@ -271,12 +276,24 @@ Image as_colors(const Image& stored, int channels) {
 
 }  // namespace
 
-Image read_image(const fs::path& file) {
-  Image stored = read_stored(file);
+Image read_image(const fs::path& file) { return read_image(file, nullptr); }
+
+Image read_image(const fs::path& file, const std::function<void(int, int)>& need_size) {
+  Image stored = read_stored(file, need_size);
   return stored.channels == 3 ? stored : as_colors(stored, 3);
 }
 
-Image read_image_with_alpha(const fs::path& file) { return as_colors(read_stored(file), 4); }
+Image read_image(const fs::path& file, int width, int height, const std::string& whose) {
+  return read_image(file, [&](int found_width, int found_height) {
+    if (found_width == width && found_height == height) return;
+    throw_input_error(file.string(),
+                      "size_px",
+                      fmt::format("{} x {}", found_width, found_height),
+                      fmt::format("{} x {} of {}", width, height, whose));
+  });
+}
+
+Image read_image_with_alpha(const fs::path& file) { return as_colors(read_stored(file, nullptr), 4); }
 
 void write_image(const fs::path& file, const Image& image) {
   require_writable(file, image);

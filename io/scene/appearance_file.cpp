@@ -7,7 +7,7 @@
 
 #include "host/core/base/error.hpp"
 #include "io/base/inside.hpp"
-#include "io/picture/image.hpp"
+#include "io/picture/sized_image.hpp"
 
 namespace simuli {
 namespace {
@@ -65,13 +65,7 @@ void need_finite(const std::vector<float>& values, const fs::path& file) {
 }
 
 Image read_sized(const fs::path& file, int width, int height) {
-  Image image = read_image(file);
-  if (image.width != width || image.height != height || image.channels != 3) {
-    throw_input_error(file.string(),
-                      "size",
-                      fmt::format("{} x {}", image.width, image.height),
-                      fmt::format("{} x {}, as scene.json says", width, height));
-  }
+  Image image = read_image(file, width, height, "scene.json");
   need_finite(image.data, file);
   return image;
 }

@@ -5,7 +5,7 @@
 
 #include "host/core/base/error.hpp"
 #include "io/base/inside.hpp"
-#include "io/picture/image.hpp"
+#include "io/picture/sized_image.hpp"
 
 namespace simuli {
 namespace {
@@ -110,15 +110,8 @@ void write_support_cells(const fs::path& folder, const SupportRecord* record) {
 
 void read_support_cells(const fs::path& folder, SupportRecord& record) {
   const fs::path file = inside(folder, kCellsName, folder.string(), "file");
-  const Image image = read_image(file);
   const std::size_t cells = cells_of(record);
-  const int height = height_of(cells);
-  if (image.width != kSupportRow || image.height != height) {
-    throw_input_error(file.string(),
-                      "size",
-                      fmt::format("{} x {}", image.width, image.height),
-                      fmt::format("{} x {}, as scene.json says", kSupportRow, height));
-  }
+  const Image image = read_image(file, kSupportRow, height_of(cells), "scene.json");
   const auto channels = static_cast<std::size_t>(image.channels);
   const auto value = [&](std::size_t i) { return image.data[i * channels]; };
   record.cells.resize(cells);

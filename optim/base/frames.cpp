@@ -8,6 +8,7 @@
 
 #include "host/core/base/error.hpp"
 #include "io/log/camera_mask.hpp"
+#include "io/picture/sized_image.hpp"
 
 namespace simuli {
 
@@ -26,13 +27,7 @@ Camera scaled_camera(const Camera& camera, double scale) {
 
 /// The picture as its file has it, `scaled`'s size.
 static Image read_scaled(const std::filesystem::path& file, const Camera& model, const Camera& scaled) {
-  Image image = read_image(file);
-  if (image.width != model.width || image.height != model.height) {
-    throw_input_error(file.string(),
-                      "size",
-                      fmt::format("{} x {}", image.width, image.height),
-                      fmt::format("{} x {} as camera {}", model.width, model.height, model.name));
-  }
+  Image image = read_image(file, model.width, model.height, "camera " + model.name);
   if (scaled.width == image.width && scaled.height == image.height) return image;
   if (scaled.width > image.width || scaled.height > image.height) {
     throw Error(ErrorKind::kUsage,

@@ -21,7 +21,7 @@
 #include "io/base/temporary.hpp"
 #include "io/log/log_json.hpp"
 #include "io/log/sensor_json.hpp"
-#include "io/picture/image.hpp"
+#include "io/picture/sized_image.hpp"
 
 extern char** environ;
 
@@ -135,15 +135,9 @@ std::vector<Image> read_views(const std::string& command,
   std::vector<Image> images;
   for (const FixerView& view : views) {
     const std::string name = view.name + ".png";
-    Image image =
-        with_context("reading what fixer " + command + " wrote", [&] { return read_image(folder / name); });
-    if (image.width != view.camera.width || image.height != view.camera.height) {
-      refuse(command,
-             name,
-             fmt::format("{} x {} px", image.width, image.height),
-             fmt::format("{} x {}, as it was given", view.camera.width, view.camera.height));
-    }
-    images.push_back(std::move(image));
+    images.push_back(with_context("reading what fixer " + command + " wrote", [&] {
+      return read_image(folder / name, view.camera.width, view.camera.height, "the one it was given");
+    }));
   }
   return images;
 }

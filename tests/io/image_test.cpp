@@ -1,12 +1,16 @@
 #include "io/picture/image.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <gtest/gtest.h>
 #include <limits>
 #include <string>
+#include <sys/resource.h>
 
 #include "io/base/file.hpp"
+#include "io/picture/sized_image.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/io/scratch.hpp"
 
@@ -184,6 +188,44 @@ TEST(Image, ChecksTheClaimedSizeBeforeItAllocates) {
   expect_input_error([&] { (void)read_image(grey); }, {"bomb.pgm", "16000 x 16000", "as many as"});
   write_image(scratch / "black.png", Image(3000, 3000, 1));  // the least that a file can hold so many in
   EXPECT_EQ(read_image(scratch / "black.png").width, 3000);
+}
+
+/// Where the size is known, a picture of another isn't decoded: its pixels here can't be.
+TEST(Image, OfAnotherSizeIsRefusedByItsHeader) {
+  const Scratch scratch;
+  for (const std::string ending : {"png", "exr"}) {
+    write_image(scratch / ("a." + ending), pattern(64, 48, 3));
+    EXPECT_EQ(read_image(scratch / ("a." + ending), 64, 48, "camera front").width, 64);
+    std::string bytes = read_file(scratch / ("a." + ending));
+    std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 4 * 3), bytes.end() - 20, '\xA5');
+    const fs::path file = scratch.file("broken." + ending, bytes);
+    expect_input_error([&] { (void)read_image(file, 64, 48, "camera front"); }, {"broken.", "pixels"});
+    expect_input_error([&] { (void)read_image(file, 48, 64, "camera front"); },
+                       {"broken.", "size_px", "64 x 48", "48 x 64 of camera front"});
+  }
+}
+
+/// A header of few bytes claims 2^28 pixels: as much memory is taken as there are rows.
+TEST(Image, TakesMemoryAsRowsCome) {
+  const Scratch scratch;
+  write_image(scratch / "small.exr", pattern(4, 4, 3));
+  std::string bytes = read_file(scratch / "small.exr");
+  for (const std::string window : {"dataWindow", "displayWindow"}) {
+    const std::size_t corner =
+        bytes.find(window) + window.size() + 1 + std::string("box2i").size() + 1 + 4 + 8;
+    const std::int32_t last = 16383;
+    for (std::size_t side = 0; side < 2; ++side) std::memcpy(&bytes[corner + 4 * side], &last, sizeof(last));
+  }
+  bytes.append(std::size_t{1} << 16U, '\0');  // where its blocks are: nowhere
+  const fs::path file = scratch.file("bomb.exr", bytes);
+  const auto peak_kB = [] {
+    rusage used{};
+    getrusage(RUSAGE_SELF, &used);
+    return used.ru_maxrss;
+  };
+  const long before_kB = peak_kB();
+  expect_input_error([&] { (void)read_image(file); }, {"bomb.exr", "pixels: found"});
+  EXPECT_LT(peak_kB() - before_kB, 200'000);  // of 3.2 GB
 }
 
 TEST(Image, RefusesWhatCannotBeWritten) {

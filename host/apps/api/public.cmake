@@ -40,7 +40,8 @@ set(SIMULI_PUBLIC_log
   io/log/log.hpp io/log/frame_spans.hpp io/log/frame_selection.hpp)
 set(SIMULI_PUBLIC_files
   "Pictures, splats, clouds, sensor files, scene folders."
-  io/picture/image.hpp io/splat/ply.hpp io/splat/splat_file.hpp io/splat/cloud_file.hpp
+  io/picture/image.hpp io/picture/sized_image.hpp io/splat/ply.hpp io/splat/splat_file.hpp
+  io/splat/cloud_file.hpp
   io/log/sensor_file.hpp io/scene/training_record.hpp io/scene/scene_folder.hpp io/scene/scene_output.hpp
   io/scene/sensor_rig.hpp
   io/scene/rig_file.hpp)

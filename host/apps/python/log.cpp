@@ -23,13 +23,8 @@ class PyLog {
   [[nodiscard]] py::object image(const std::string& camera, py::ssize_t index) const {
     const Camera& model = log_.camera(camera).model;
     const ImageFrame& frame = frame_of(log_.images, &ImageFrame::camera, camera, index);
-    const auto image = without_gil([&] { return read_image(log_.folder / frame.file); });
-    if (image->width != model.width || image->height != model.height) {
-      throw_input_error((log_.folder / frame.file).string(),
-                        "size_px",
-                        fmt::format("{} x {}", image->width, image->height),
-                        fmt::format("{} x {} as camera {}", model.width, model.height, camera));
-    }
+    const auto image = without_gil(
+        [&] { return read_image(log_.folder / frame.file, model.width, model.height, "camera " + camera); });
     return array_on(image, image->data.data(), {image->height, image->width, image->channels});
   }
 

@@ -13,7 +13,7 @@
 #include "io/log/log_json.hpp"
 #include "io/log/new_log.hpp"
 #include "io/ncore/models.hpp"
-#include "io/picture/image.hpp"
+#include "io/picture/sized_image.hpp"
 
 namespace simuli {
 namespace {
@@ -202,13 +202,8 @@ class Importer {
           fmt::format("images/{}_{:06}.{}", camera.name, number++, is_png ? "png" : "jpg");
       put_file(log_, file, [&](const fs::path& to) {
         write_file_atomically(to, bytes);
-        const Image decoded = with_context("reading " + image.file(), [&] { return read_image(to); });
-        if (decoded.width != camera.width || decoded.height != camera.height) {
-          throw_input_error(image.file(),
-                            "size_px",
-                            fmt::format("{} x {}", decoded.width, decoded.height),
-                            fmt::format("{} x {} of its intrinsics", camera.width, camera.height));
-        }
+        (void)with_context("reading " + image.file(),
+                           [&] { return read_image(to, camera.width, camera.height, "its intrinsics"); });
       });
       log_.images.push_back({camera.name, file, start_s, end_s});
     }

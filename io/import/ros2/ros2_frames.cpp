@@ -7,16 +7,17 @@
 #include "io/base/file.hpp"
 #include "io/import/ros2/ros2_scan.hpp"
 #include "io/log/new_log.hpp"
-#include "io/picture/image.hpp"
+#include "io/picture/sized_image.hpp"
 
 namespace simuli::ros2 {
 namespace {
 
-void need_size(const Image& image, const Camera& camera, const std::string& file, const std::string& where) {
-  if (image.width == camera.width && image.height == camera.height) return;
+void need_size(
+    int width, int height, const Camera& camera, const std::string& file, const std::string& where) {
+  if (width == camera.width && height == camera.height) return;
   throw_input_error(file,
                     where + ": width x height",
-                    fmt::format("{} x {}", image.width, image.height),
+                    fmt::format("{} x {}", width, height),
                     fmt::format("{} x {} of its CameraInfo or --camera", camera.width, camera.height));
 }
 
@@ -136,7 +137,7 @@ void FrameWriter::add_picture(const BagChannel& channel,
     if (channel.type == kImage) {
       const ImageMessage message = read_image_message(reader_of(channel, data, file_));
       image = picture_of(message, file_, channel.topic);
-      need_size(image, model, file_, channel.topic);
+      need_size(image.width, image.height, model, file_, channel.topic);
       stamp_ns = message.header.stamp_ns;
     } else {
       const CompressedImageMessage message = read_compressed_image(reader_of(channel, data, file_));
@@ -158,11 +159,10 @@ void FrameWriter::add_picture(const BagChannel& channel,
     if (channel.type == kImage) return write_image(path, image);
     write_file_atomically(path, std::string(bytes));
     is_whole = is_sound(channel.topic, [&] {
-      need_size(with_context(fmt::format("reading a picture of {} in {}", channel.topic, file_),
-                             [&] { return read_image(path); }),
-                model,
-                file_,
-                channel.topic);
+      (void)with_context(fmt::format("reading a picture of {} in {}", channel.topic, file_), [&] {
+        return read_image(
+            path, [&](int width, int height) { need_size(width, height, model, file_, channel.topic); });
+      });
     });
     if (!is_whole) std::filesystem::remove(path);
   });

@@ -1,6 +1,7 @@
 // The codec of OpenImageIO: the only source that includes it.
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
+#include <algorithm>
 
 #include "io/picture/codec/picture_codec.hpp"
 
@@ -35,9 +36,23 @@ class OpenImageIoInput : public PictureInput {
     const OIIO::ImageSpec& spec = input_->spec();
     return {spec.width, spec.height, spec.depth, spec.nchannels, spec.channelnames};
   }
-  [[nodiscard]] PictureFailure read(float* samples) override {
-    const int channels = input_->spec().nchannels;
-    const bool complete = input_->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, samples);
+  [[nodiscard]] PictureFailure read(std::vector<float>& samples) override {
+    constexpr int kRows = 256;  // no block of a format here has more
+    const OIIO::ImageSpec& s = input_->spec();
+    const int step = s.tile_height > 0 ? s.tile_height : kRows;
+    const auto row = static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.nchannels);
+    samples.reserve(row * static_cast<std::size_t>(s.height));
+    bool complete = true;
+    for (int y = 0; complete && y < s.height; y += step) {
+      const int from = s.y + y, to = s.y + std::min(y + step, s.height);
+      samples.resize(row * static_cast<std::size_t>(to - s.y));
+      float* const at = samples.data() + row * static_cast<std::size_t>(y);
+      complete =
+          s.tile_width > 0
+              ? input_->read_tiles(
+                    0, 0, s.x, s.x + s.width, from, to, 0, 1, 0, s.nchannels, OIIO::TypeDesc::FLOAT, at)
+              : input_->read_scanlines(0, 0, from, to, 0, 0, s.nchannels, OIIO::TypeDesc::FLOAT, at);
+    }
     // Part of the samples may be handed over and only a message left.
     const bool clean = input_->close() && !input_->has_error();
     if (complete && clean) return std::nullopt;
@@ -107,7 +122,7 @@ class OpenImageIo : public PictureCodec {
 }  // namespace
 }  // namespace simuli
 
-[[gnu::visibility("default")]] const simuli::PictureCodec* simuli_picture_codec_1() {
+[[gnu::visibility("default")]] const simuli::PictureCodec* simuli_picture_codec_2() {
   static const simuli::OpenImageIo codec;
   return &codec;
 }

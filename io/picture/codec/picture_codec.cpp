@@ -16,7 +16,7 @@ std::vector<std::pair<std::string, std::string>> reproducible_exr() {
 #ifdef SIMULI_PICTURES
 namespace {
 
-using Entry = decltype(&simuli_picture_codec_1);
+using Entry = decltype(&simuli_picture_codec_2);
 
 const PictureCodec* loaded_codec() {
   const auto refuse = [] {
@@ -32,7 +32,7 @@ const PictureCodec* loaded_codec() {
   // Never closed: the libraries behind it end with the program.
   void* const object = ::dlopen(SIMULI_PICTURES, RTLD_NOW | RTLD_LOCAL);
   if (object == nullptr) refuse();
-  void* const entry = ::dlsym(object, "simuli_picture_codec_1");
+  void* const entry = ::dlsym(object, "simuli_picture_codec_2");
   if (entry == nullptr) refuse();
   return reinterpret_cast<Entry>(entry)();
 }
@@ -44,7 +44,7 @@ const PictureCodec& picture_codec() {
   return *codec;
 }
 #else
-const PictureCodec& picture_codec() { return *simuli_picture_codec_1(); }
+const PictureCodec& picture_codec() { return *simuli_picture_codec_2(); }
 #endif
 
 }  // namespace simuli

@@ -45,8 +45,8 @@ class PictureInput {
   virtual ~PictureInput() = default;
   [[nodiscard]] virtual PictureLayout layout() const = 0;
   /// Everything as float, [height][width][channels], and closes it. Decoders may hand over a part: that
-  /// fails.
-  [[nodiscard]] virtual PictureFailure read(float* samples) = 0;
+  /// fails. Memory is taken as rows come: headers claim what they like.
+  [[nodiscard]] virtual PictureFailure read(std::vector<float>& samples) = 0;
 };
 
 /// Throws nothing but std::bad_alloc: what is thrown in one shared object is not always caught in another.
@@ -77,4 +77,4 @@ class PictureCodec {
 
 /// What the shared object shows; another number when anything above changes, so that one of another build is
 /// refused.
-extern "C" const simuli::PictureCodec* simuli_picture_codec_1();
+extern "C" const simuli::PictureCodec* simuli_picture_codec_2();

@@ -79,6 +79,9 @@ TEST(CameraMask, RefusesOtherShapesAndThoseThatLeaveNothing) {
   write_image(scratch / "tall.png", hood(6, 8, 2));
   expect_input_error([&] { (void)read_camera_mask(scratch / "tall.png", small_camera()); },
                      {"tall.png", "6 x 8", "8 x 6 as camera front"});
+  write_image(scratch / "vast.png", hood(256, 192, 2));
+  expect_input_error([&] { (void)read_camera_mask(scratch / "vast.png", small_camera()); },
+                     {"vast.png", "256 x 192", "up to 16 times as wide"});
   write_image(scratch / "all.png", hood(8, 6, 6));
   expect_input_error([&] { (void)read_camera_mask(scratch / "all.png", small_camera()); },
                      {"all.png", "all of the picture"});

@@ -114,7 +114,7 @@ TEST(RunFixer, AnInterruptionEndsAllThatItStarted) {
 TEST(RunFixer, PicturesOfAnotherSizeAreRefused) {
   std::vector<FixerView> views = two_views();
   views[1].rendered = Image(8, 5, 3);  // its copy is not of the camera's size
-  expect_error(ErrorKind::kInput, "8 x 5 px, allowed 8 x 4", [&] { (void)run_fixer(kCopy, views, 0); });
+  expect_error(ErrorKind::kInput, "8 x 5, allowed 8 x 4", [&] { (void)run_fixer(kCopy, views, 0); });
 }
 
 class FixerTest : public test::SmallStreet {
