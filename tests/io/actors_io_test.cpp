@@ -92,6 +92,8 @@ TEST(ActorsInALog, AreRefusedWhenTheyAreNone) {
   for (const char* size : {"201", "1e3", "1e6", "1e9", "1e300"}) {
     refuse_edit("\"height_m\": 1.5", std::string("\"height_m\": ") + size, {"car_1: size", "at most 200 m"});
   }
+  for (const char* place : {"2e8", "-1e12", "1e300"})
+    refuse_edit("-3.0", place, {"car_1: track[0]", "up to 100000000 m"});
   refuse_edit("1317042651156324297", "1317042652156324297", {"car_1: track[1]", "strictly increasing"});
   refuse_edit("shift_m", "shift", {"track[1].shift"});
   refuse_edit("\"kind\": \"car\",", "", {"actors[0].kind"});
