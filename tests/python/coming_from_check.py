@@ -1,4 +1,8 @@
 
+# What the page calls the expected depth is the mean: the median of the same frame is another.
+seen = render_alphas > 0.5
+assert (expected_depth[seen] == frame.mean_depth_m[seen]).all() and (expected_depth[seen] != frame.depth_m[seen]).any()
+
 # One particle at a known place, behind what docs/COMING_FROM.md shows: it is seen where K and viewmat put it.
 point = np.array([6.0, -1.5, 1.0])
 one = np.zeros((1, rows))
