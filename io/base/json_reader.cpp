@@ -1,13 +1,18 @@
 #include "io/base/json_reader.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <functional>
+#include <iterator>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/one_line.hpp"
+#include "io/base/json_entries.hpp"
 
 namespace simuli {
 namespace {
@@ -53,39 +58,23 @@ std::string shortened(const Json& value) {
   return cut(std::move(text));
 }
 
-/// Builds the value from the parser's events, each in constant time: nlohmann's own parser with a callback
-/// looks through the whole parent behind every object, and its objects through their keys at every key.
-class Builder final : public nlohmann::json_sax<Json> {
+/// Says in nlohmann's words what is wrong with a text.
+class Fault final : public nlohmann::json_sax<Json> {
  public:
-  Builder(const std::string& file, Json& root) : file_(file), root_(root) {}
+  explicit Fault(const std::string& file) : file_(file) {}
 
-  bool null() override { return add(nullptr); }
-  bool boolean(bool value) override { return add(value); }
-  bool number_integer(number_integer_t value) override { return add(value); }
-  bool number_unsigned(number_unsigned_t value) override { return add(value); }
-  bool number_float(number_float_t value, const string_t&) override { return add(value); }
-  bool string(string_t& value) override { return add(std::move(value)); }
-  bool binary(binary_t& value) override { return add(std::move(value)); }
-  bool key(string_t& name) override {
-    open_.back()->get_ref<Json::object_t&>().emplace_back(std::move(name), nullptr);
-    return true;
-  }
-  bool start_object(std::size_t) override { return open(Json::value_t::object); }
-  bool start_array(std::size_t) override { return open(Json::value_t::array); }
-  bool end_array() override {
-    open_.pop_back();
-    return true;
-  }
-  bool end_object() override {
-    keys_.clear();
-    for (const auto& entry : open_.back()->get_ref<const Json::object_t&>()) keys_.push_back(entry.first);
-    std::sort(keys_.begin(), keys_.end());
-    const auto twice = std::adjacent_find(keys_.begin(), keys_.end());
-    if (twice != keys_.end()) {
-      throw_input_error(file_, quoted(std::string(*twice)), "the key twice in one object", "once");
-    }
-    return end_array();
-  }
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool key(string_t&) override { return true; }
+  bool start_object(std::size_t) override { return true; }
+  bool start_array(std::size_t) override { return true; }
+  bool end_array() override { return true; }
+  bool end_object() override { return true; }
   bool parse_error(std::size_t, const std::string&, const Json::exception& error) override {
     // It quotes what it read last: a string without an end is the rest of the file.
     constexpr std::size_t kMost = 200;
@@ -96,32 +85,188 @@ class Builder final : public nlohmann::json_sax<Json> {
   }
 
  private:
-  /// Puts a value where the innermost open one takes it; a parent does not grow while a child is open.
-  Json& put(Json value) {
-    if (open_.empty()) return root_ = std::move(value);
-    if (open_.back()->is_array()) {
-      auto& elements = open_.back()->get_ref<Json::array_t&>();
-      elements.push_back(std::move(value));
-      return elements.back();
-    }
-    return open_.back()->get_ref<Json::object_t&>().back().second = std::move(value);
+  const std::string& file_;
+};
+
+/// Reads a text in time that grows with its length: nlohmann's own parser looks through an object at every
+/// key, and takes three times as long for lists of poses.
+class Parser {
+ public:
+  Parser(const std::string& text, const std::string& file)
+      : file_(file), text_(text), at_(text.data()), end_(text.data() + text.size()) {
+    if (text.starts_with("\xEF\xBB\xBF")) at_ += 3;
   }
-  bool add(Json value) {
-    put(std::move(value));
-    return true;
+
+  Json whole() {
+    Json root = value();
+    need_end();
+    return root;
   }
-  bool open(Json::value_t type) {
-    if (open_.size() >= kDeepest) {
-      throw_input_error(
-          file_, "JSON", fmt::format("more than {} levels", kDeepest), "objects and arrays less deep");
+
+  void each(const std::function<void(const Json&)>& use) {
+    if (next() != '[') throw_input_error(file_, "root", shortened(whole()), "an array [{...}, ...]");
+    enter();
+    if (!takes(']')) {
+      do use(value());
+      while (takes(','));
+      if (!takes(']')) refuse();
     }
-    open_.push_back(&put(type));
+    need_end();
+  }
+
+ private:
+  [[noreturn]] void refuse() const {
+    Fault fault(file_);
+    Json::sax_parse(text_, &fault);
+    throw_input_error(
+        file_, "JSON", fmt::format("a fault at byte {}", at_ - text_.data()), "well-formed JSON");
+  }
+
+  void need_end() {
+    if (next() != '\0') refuse();
+  }
+
+  /// The character behind white space; the text ends with a NUL.
+  char next() {
+    while (*at_ == ' ' || *at_ == '\n' || *at_ == '\t' || *at_ == '\r') ++at_;
+    return *at_;
+  }
+
+  bool takes(char c) {
+    if (next() != c) return false;
+    ++at_;
     return true;
   }
 
+  Json value() {
+    switch (next()) {
+      case '{':
+        return object();
+      case '[':
+        return array();
+      case '"':
+        return string();
+      case 't':
+        return word("true", true);
+      case 'f':
+        return word("false", false);
+      case 'n':
+        return word("null", nullptr);
+      default:
+        return number();
+    }
+  }
+
+  Json word(std::string_view name, Json meant) {
+    if (!std::string_view(at_, static_cast<std::size_t>(end_ - at_)).starts_with(name)) refuse();
+    at_ += name.size();
+    return meant;
+  }
+
+  const char* digits(const char* at) const {
+    if (!(*at >= '0' && *at <= '9')) refuse();
+    while (*at >= '0' && *at <= '9') ++at;
+    return at;
+  }
+
+  Json number() {
+    const char* const from = at_;
+    const char* to = from + (*from == '-' ? 1 : 0);
+    to = *to == '0' ? to + 1 : digits(to);
+    const bool is_whole = *to != '.' && *to != 'e' && *to != 'E';
+    if (*to == '.') to = digits(to + 1);
+    if (*to == 'e' || *to == 'E') to = digits(to + (to[1] == '-' || to[1] == '+' ? 2 : 1));
+    at_ = to;
+    const auto read = [&](auto value) -> Json {
+      if (std::from_chars(from, to, value).ec == std::errc()) return value;
+      return whole_of(from);  // as a double, or nothing for what no double holds
+    };
+    if (!is_whole) return read(0.0);
+    return *from == '-' ? read(std::int64_t{0}) : read(std::uint64_t{0});
+  }
+
+  std::string string() {
+    const char* const from = at_++;
+    bool is_plain = true;
+    for (; *at_ != '"'; ++at_) {
+      const auto c = static_cast<unsigned char>(*at_);
+      if (c < ' ') refuse();
+      is_plain = is_plain && c < 0x80 && c != '\\';
+      if (c == '\\' && static_cast<unsigned char>(*++at_) < ' ') refuse();
+    }
+    ++at_;
+    if (is_plain) return {from + 1, at_ - 1};
+    return whole_of(from).get<std::string>();
+  }
+
+  /// What nlohmann makes of the text from there to here.
+  Json whole_of(const char* from) const {
+    Json read = Json::parse(from, at_, nullptr, false);
+    if (read.is_discarded()) refuse();
+    return read;
+  }
+
+  /// Values wait in one list until their array knows its size: a small array is one allocation.
+  Json array() {
+    enter();
+    const std::size_t first = values_.size();
+    if (!takes(']')) {
+      do values_.push_back(value());
+      while (takes(','));
+      if (!takes(']')) refuse();
+    }
+    --depth_;
+    const auto begin = values_.begin() + static_cast<std::ptrdiff_t>(first);
+    Json::array_t elements(std::make_move_iterator(begin), std::make_move_iterator(values_.end()));
+    values_.erase(begin, values_.end());
+    return elements;
+  }
+
+  Json object() {
+    enter();
+    const std::size_t first = members_.size();
+    if (!takes('}')) {
+      do {
+        if (next() != '"') refuse();
+        std::string key = string();
+        if (!takes(':')) refuse();
+        Json held = value();
+        members_.emplace_back(std::move(key), std::move(held));
+      } while (takes(','));
+      if (!takes('}')) refuse();
+    }
+    --depth_;
+    const auto begin = members_.begin() + static_cast<std::ptrdiff_t>(first);
+    Json::object_t object;
+    object.reserve(members_.size() - first);
+    for (auto member = begin; member != members_.end(); ++member) {
+      object.emplace_back(std::move(member->first), std::move(member->second));
+    }
+    members_.erase(begin, members_.end());
+    keys_.clear();
+    for (const auto& entry : object) keys_.push_back(entry.first);
+    std::sort(keys_.begin(), keys_.end());
+    const auto twice = std::adjacent_find(keys_.begin(), keys_.end());
+    if (twice != keys_.end()) {
+      throw_input_error(file_, quoted(std::string(*twice)), "the key twice in one object", "once");
+    }
+    return object;
+  }
+
+  void enter() {
+    ++at_;
+    if (++depth_ <= kDeepest) return;
+    throw_input_error(
+        file_, "JSON", fmt::format("more than {} levels", kDeepest), "objects and arrays less deep");
+  }
+
   const std::string& file_;
-  Json& root_;
-  std::vector<Json*> open_;
+  const std::string& text_;
+  const char* at_;
+  const char* end_;
+  std::size_t depth_ = 0;
+  std::vector<Json> values_;
+  std::vector<std::pair<std::string, Json>> members_;
   std::vector<std::string_view> keys_;
 };
 
@@ -225,11 +370,16 @@ void JsonObject::finish() const {
   }
 }
 
-Json parse_json(const std::string& text, const std::string& file) {
-  Json root;
-  Builder builder(file, root);
-  Json::sax_parse(text, &builder);
-  return root;
+Json parse_json(const std::string& text, const std::string& file) { return Parser(text, file).whole(); }
+
+void read_json_entries(const std::string& text,
+                       const std::string& file,
+                       const std::function<void(JsonObject&)>& read) {
+  std::size_t count = 0;
+  Parser(text, file).each([&](const Json& value) {
+    JsonObject entry(file, fmt::format("[{}]", count++), value);
+    entry.read_and_finish(read);
+  });
 }
 
 }  // namespace simuli

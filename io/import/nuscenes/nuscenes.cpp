@@ -15,7 +15,7 @@
 #include "host/core/base/names.hpp"
 #include "io/base/file.hpp"
 #include "io/base/inside.hpp"
-#include "io/base/json_reader.hpp"
+#include "io/base/json_entries.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/import/nuscenes/nuscenes_sweep.hpp"
 #include "io/log/new_log.hpp"
@@ -31,14 +31,10 @@ constexpr const char* kLidar = "LIDAR_TOP";
 template <class Read>
 void read_table(const fs::path& folder, const char* name, Read&& read) {
   const fs::path path = folder / (std::string(name) + ".json");
-  const std::string file = path.string();
-  const Json root = parse_json(read_file(path), file);
-  if (!root.is_array()) throw_input_error(file, "root", "no array", "[{\"token\": ...}, ...]");
-  for (std::size_t i = 0; i < root.size(); ++i) {
-    JsonObject entry(file, fmt::format("[{}]", i), root[i]);
+  read_json_entries(read_file(path), path.string(), [&](JsonObject& entry) {
     entry.ignore_other_keys();
     read(entry);
-  }
+  });
 }
 
 Pose pose_of(JsonObject& entry) {

@@ -3,6 +3,7 @@
 #include <ctime>
 #include <gtest/gtest.h>
 
+#include "io/base/json_entries.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
@@ -82,6 +83,52 @@ TEST(JsonReader, RefusesBadSyntax) {
   expect_input_error([&] { read("{\"a\": NaN}", nothing); }, {"x.json: JSON"});
   expect_input_error([&] { read("{\"a\": 1e999}", nothing); }, {"x.json: JSON", "1e999"});
   expect_input_error([&] { read("{} {}", nothing); }, {"x.json: JSON"});
+}
+
+TEST(JsonReader, ReadsAsNlohmannDoes) {
+  const std::string sound[] = {
+      " [ 0 , -0, 12, -7, 18446744073709551615, 18446744073709551616, -9223372036854775808, "
+      "-9223372036854775809]\n",
+      "[0.1, -2.5e-3, 1E5, 1e+2, 0e0, 4.9e-324, 1e-400, 123456789012345678.9, -0.0, "
+      "3.141592653589793115997963]",
+      R"({"": {}, "a\u00e9\n\"\\": [[], "\ud83d\ude00", "caf\u00c3", true, false, null]})",
+      "\xEF\xBB\xBF{\"\xC3\xA9\": \"\xE2\x82\xAC\"}",
+      "\"text\"",
+      "7"};
+  for (const std::string& text : sound) {
+    const Json read = parse_json(text, "x.json"), expected = Json::parse(text);
+    EXPECT_EQ(read.dump(), expected.dump()) << text;
+    for (std::size_t i = 0; read.is_array() && i < read.size(); ++i)
+      EXPECT_EQ(read[i].type(), expected[i].type()) << read[i];
+  }
+  for (const char* text : {"01",     "1.",   ".5",      "+1",   "-",         "1e",         "1e+",      "0x1",
+                           "tru",    "nul",  "[1 2]",   "[1,]", "{\"a\"}",   "{\"a\" 1}",  "{a: 1}",   "{,}",
+                           "[",      "{",    "\"",      "\"\\", "\"\\x\"",   "\"\t\"",     "\"\xC3\"", "]",
+                           "-1e999", "[1]]", "/*c*/ 1", "inf",  "\"\\u12\"", "\"\\ud800\""}) {
+    std::string words;
+    try {
+      const Json none = Json::parse(std::string(text));
+    } catch (const Json::exception& error) {
+      words = error.what();
+    }
+    words = words.substr(words.find(' ') + 1);
+    words = words.substr(0, words.find("last read"));  // of the file: shown as text
+    expect_input_error([&] { (void)parse_json(text, "x.json"); }, {"x.json: JSON: found " + words});
+  }
+}
+
+TEST(JsonReader, EntriesAreReadOneByOne) {
+  std::vector<std::int64_t> read;
+  const auto use = [&](JsonObject& entry) { read.push_back(entry.integer("k")); };
+  read_json_entries(R"( [{"k": 3}, {"k": 4}] )", "x.json", use);
+  read_json_entries("[]", "x.json", use);
+  EXPECT_EQ(read, (std::vector<std::int64_t>{3, 4}));
+  expect_input_error([&] { read_json_entries(R"([{"k": 3}, {"k": 4, "b": 1}])", "x.json", use); },
+                     {"x.json: [1].b: found an unknown key"});
+  expect_input_error([&] { read_json_entries(R"({"k": 3})", "x.json", use); },
+                     {"x.json: root: found {\"k\":3}, allowed an array"});
+  for (const char* text : {"[{\"k\": 3},]", "[{\"k\": 3}", "[{\"k\": 3}] 1", ""})
+    expect_input_error([&] { read_json_entries(text, "x.json", use); }, {"x.json: JSON: found"});
 }
 
 TEST(JsonReader, RefusesWhatNestsTooDeep) {
