@@ -207,7 +207,8 @@ def sweep_of(files):
 
 def main():
     args = parse()
-    files = sorted(args.clouds.glob("*.pcd"), key=lambda f: (time_of(f.stem) or 0, natural(f.stem)))
+    files = sorted((f for f in args.clouds.iterdir() if f.suffix.lower() == ".pcd"),
+                   key=lambda f: (time_of(f.stem) or 0, natural(f.stem)))
     if not files:
         sys.exit(f"{args.clouds}: no *.pcd")
     times, poses = read_poses(args.poses)

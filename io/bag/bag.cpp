@@ -1,7 +1,10 @@
 #include "io/bag/bag.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <fmt/format.h>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,8 +38,20 @@ bool is_before(const fs::path& a, const fs::path& b) {
   return std::pair(x.size(), x) < std::pair(y.size(), y);
 }
 
-/// Messages that the recorder compressed one by one are no CDR, and only this file tells.
-void need_plain_messages(const fs::path& metadata) {
+/// Case apart: cards and other systems write .MCAP.
+std::string ending_of(const fs::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+bool is_packed(const std::string& ending) {
+  return ending == ".zstd" || ending == ".zst" || ending == ".gz" || ending == ".xz" || ending == ".bz2";
+}
+
+/// Only this file tells of messages that the recorder compressed one by one, which are no CDR, and of parts that are
+/// not there. It keeps its names when the parts are renamed.
+void need_whole(const fs::path& metadata, std::size_t parts) {
   constexpr std::size_t kMost = std::size_t{64} << 20U;
   if (!is_there(metadata)) return;
   const std::string text = read_file(metadata, kMost);
@@ -45,20 +60,36 @@ void need_plain_messages(const fs::path& metadata) {
       throw_input_error(
           metadata.string(), "compression_mode", "message", "none or by file: ros2 bag convert");
   }
+  const std::size_t from = text.find("relative_file_paths:");
+  if (from == std::string::npos) return;
+  std::istringstream lines(text.substr(from));
+  std::string line, missing;
+  std::getline(lines, line);
+  std::size_t named = 0;
+  for (; lines >> line && line == "-" && std::getline(lines >> std::ws, line); ++named) {
+    const fs::path part(line.substr(line.find_first_not_of("\"'"), line.find_last_not_of("\"' \r") + 1));
+    if (!is_there(metadata.parent_path() / part.filename())) missing += (missing.empty() ? "" : ", ") + line;
+  }
+  if (parts < named) {
+    throw_input_error(metadata.string(),
+                      "relative_file_paths",
+                      fmt::format("{} of which {} files are there, without {}", named, parts, missing),
+                      "all of them, or no metadata.yaml: what is there");
+  }
 }
 
 }  // namespace
 
 std::unique_ptr<const Bag> open_bag(const fs::path& path) {
-  const std::string ending = path.extension().string();
+  const std::string ending = ending_of(path);
   std::error_code status;
   if (fs::is_directory(path, status)) {
     std::vector<fs::path> files;
     std::set<std::string> endings;
     bool has_packed = false;
     for (const auto& entry : fs::directory_iterator(path, status)) {
-      const std::string of = entry.path().extension().string();
-      has_packed = has_packed || of == ".zstd";
+      const std::string of = ending_of(entry.path());
+      has_packed = has_packed || is_packed(of);
       if (of != ".mcap" && of != ".db3") continue;
       files.push_back(entry.path());
       endings.insert(of);
@@ -69,9 +100,9 @@ std::unique_ptr<const Bag> open_bag(const fs::path& path) {
                         !files.empty() ? "both .mcap and .db3"
                         : has_packed   ? "files that are compressed whole"
                                        : "no .mcap and no .db3",
-                        has_packed ? "unpacked ones: unzstd *.zstd" : "one kind");
+                        has_packed ? "unpacked ones: unzstd, gunzip .." : "one kind");
     }
-    need_plain_messages(path / "metadata.yaml");
+    need_whole(path / "metadata.yaml", files.size());
     std::sort(files.begin(), files.end(), is_before);
     return std::make_unique<const BagParts>(files);
   }
@@ -81,7 +112,8 @@ std::unique_ptr<const Bag> open_bag(const fs::path& path) {
   throw_input_error(path.string(),
                     "ending",
                     '"' + ending + '"',
-                    ".mcap, .db3, or a folder of such (unpack .zstd; ROS 1's .bag: rosbags-convert)");
+                    is_packed(ending) ? "an unpacked file: unzstd, gunzip .."
+                                      : ".mcap, .db3, or a folder of such (ROS 1's .bag: rosbags-convert)");
 }
 
 }  // namespace simuli

@@ -181,7 +181,14 @@ TEST(Mcap, WhatIsNoRecordingIsRefused) {
   // What `ros2 bag record --compression-mode` leaves behind.
   (void)scratch.file("a.mcap.zstd", "");
   expect_input_error([&] { (void)open_bag(scratch.path()); }, {"compressed whole", "unzstd"});
-  (void)scratch.file("a.mcap", "");
+  for (const char* packed : {"a.MCAP.gz", "a.db3.zst"})
+    expect_input_error([&] { (void)open_bag(scratch.file(packed, "")); }, {packed, "unpacked"});
+  expect_input_error([&] { (void)open_bag(scratch.file("A.MCAP", "")); }, {"A.MCAP: first 8 bytes"});
+  (void)scratch.file(
+      "metadata.yaml",
+      "x:\n  relative_file_paths:\n    - a_0.mcap\n    - \"a_1.mcap\"\n  duration:\n    n: 1\n");
+  expect_input_error([&] { (void)open_bag(scratch.path()); },
+                     {"relative_file_paths", "2 of which 1 files", "a_0.mcap, \"a_1.mcap\""});
   (void)scratch.file("metadata.yaml", "x:\n  compression_mode: MESSAGE\n");
   expect_input_error([&] { (void)open_bag(scratch.path()); },
                      {"metadata.yaml", "message", "ros2 bag convert"});
