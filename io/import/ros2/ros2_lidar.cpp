@@ -4,11 +4,14 @@
 #include <cmath>
 #include <complex>
 #include <fmt/format.h>
+#include <limits>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/sensors/lidar.hpp"
 #include "host/core/sensors/lidar_locate.hpp"
 #include "io/import/points/point_grid.hpp"
 #include "io/import/points/unit_offset.hpp"
@@ -17,10 +20,6 @@
 namespace simuli::ros2 {
 namespace {
 
-constexpr char kDoubt[] =
-    "is it that sensor, in that frame (of Ouster often --lidar TOPIC=SENSOR:os_sensor)? Else simuli fit "
-    "beams finds its "
-    "own beams";
 constexpr std::size_t kSamplesOfRing = 48;
 
 using Rings = std::map<int, std::vector<const CloudPoint*>>;
@@ -51,6 +50,41 @@ std::optional<double> off_row(const Lidar& lidar, int row, const std::vector<con
   return *middle;
 }
 
+/// The built-in table whose rows lie nearest to the rings', as text. A ring on another's row and a row without a
+/// ring count as much as one that is a degree off.
+std::string nearest_table(const Rings& rings) {
+  std::string text;
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::string& name : builtin_lidar_names()) {
+    const Lidar table = builtin_lidar(name);
+    const int rows = table.row_count();
+    if (rows < static_cast<int>(rings.size())) continue;
+    std::set<int> taken;
+    double sum = 0.0;
+    for (const auto& [ring, points] : rings) {
+      const std::vector<const CloudPoint*> some(
+          points.begin(), points.begin() + std::min<std::ptrdiff_t>(8, std::ssize(points)));
+      double off = kDegree;
+      int best = -1;
+      for (int row = 0; row < rows; ++row) {
+        const double own = off_row(table, row, some).value_or(kDegree);
+        if (own < off) best = row;
+        off = std::min(off, own);
+      }
+      sum += off;
+      taken.insert(best);
+    }
+    const double mean = sum / static_cast<double>(rings.size());
+    const double cost =
+        mean + kDegree * (1.0 - static_cast<double>(taken.size()) / static_cast<double>(rows));
+    if (cost >= least) continue;
+    least = cost;
+    text = fmt::format(
+        "{} ({:.3f} degrees off in the mean, {} of {} rows)", name, mean / kDegree, taken.size(), rows);
+  }
+  return text.empty() ? "none" : text;
+}
+
 class Fit {
  public:
   Fit(const Lidar& table, const std::string& file, const std::string& where) : file_(file), where_(where) {
@@ -79,13 +113,13 @@ class Fit {
       if (best < 0 || least > tolerances[static_cast<std::size_t>(best)]) {
         refuse(fmt::format("ring {}", ring),
                best < 0 ? "on no row" : fmt::format("{:.2f} degrees beside the nearest row", least / kDegree),
-               fmt::format("on a row of {}: {}", out.model.name, kDoubt));
+               fmt::format("on a row of {}: {}", out.model.name, doubt(rings)));
       }
       const auto [other, is_new] = ring_of.emplace(best, ring);
       if (!is_new) {
         refuse(fmt::format("rings {} and {}", other->second, ring),
                fmt::format("both on row {}", best),
-               fmt::format("a row of {} each: {}", out.model.name, kDoubt));
+               fmt::format("a row of {} each: {}", out.model.name, doubt(rings)));
       }
       out.row_of[static_cast<std::size_t>(ring)] = best;
     }
@@ -168,6 +202,17 @@ class Fit {
   RecordedLidar out;
 
  private:
+  [[nodiscard]] std::string doubt(const Rings& rings) const {
+    return fmt::format(
+        "is it that sensor, in that frame (of Ouster often --lidar TOPIC=SENSOR:os_sensor)? Nearest built-in "
+        "table: "
+        "{}; its own: simuli fit beams {} --topic {} -o FILE, for --lidar {}=FILE",
+        nearest_table(rings),
+        file_,
+        where_,
+        where_);
+  }
+
   static SpinDirection other(SpinDirection spin) {
     return spin == SpinDirection::kClockwise ? SpinDirection::kCounterClockwise : SpinDirection::kClockwise;
   }

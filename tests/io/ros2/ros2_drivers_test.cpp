@@ -367,7 +367,9 @@ TEST(Ros2Log, NothingOnThePathIsAnError) {
   const Scratch scratch;
   Log log = street(scratch);
   record_by({drivers().front()}, log, scratch / "a.mcap", [](McapWriter& mcap) {
-    ros2::TransformMessage moving{{kStart_ns + 3'600'000'000'000, "map"}, "base_link", {}};
+    ros2::TransformMessage moving;
+    moving.header = {kStart_ns + 3'600'000'000'000, "map"};
+    moving.child_frame_id = "base_link";
     const auto tf = mcap.add_channel({"/tf", ros2::kTfMessage, "", "", "cdr"});
     for (int i = 0; i < 3; ++i) {
       moving.header.stamp_ns += 100'000'000;

@@ -134,7 +134,7 @@ TEST(Ros2Log, WhatCanNotBeToldIsAskedFor) {
   refused([](auto& o) { o.lidars[0].table = builtin_lidar("velodyne_vlp16"); },
           {"/top/points", "rings", "velodyne_vlp16"});
   refused([](auto& o) { o.lidars[0].table = builtin_lidar("velodyne_vls128"); },
-          {"/top/points", "ring", "is it that sensor"});
+          {"/top/points", "ring", "is it that sensor", "Nearest built-in table: ", "fit beams"});
   refused([](auto& o) { o.point_time = "time:ms"; }, {"/top/points", "no turn"});
   refused([](auto& o) { o.point_time = "tick:s"; }, {"tick", "x, y, z, intensity, ring, time"});
   refused([](auto& o) { o.point_time = "time:min"; }, {"--point-time"}, ErrorKind::kUsage);

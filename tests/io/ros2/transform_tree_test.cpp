@@ -74,7 +74,11 @@ TEST(TransformTree, WorldIsBelowTheCentreOfTheEarth) {
         c.is_level ? Eigen::Quaterniond::Identity() : Eigen::Quaterniond::FromTwoVectors(up, c.map_m);
     TransformTree tree("a.mcap");
     TransformTree bare("a.mcap");  // the rig is in the root itself
-    tree.add({{0, c.root}, "map", {turn, c.map_m}});
+    TransformMessage map;
+    map.header.frame_id = c.root;
+    map.child_frame_id = "map";
+    map.parent_from_child = {turn, c.map_m};
+    tree.add(map);
     for (int i = 0; i < 5; ++i) {
       tree.add({{i, "map"}, "base_link", {Eigen::Quaterniond::Identity(), {1.0 * i, 0.0, 0.0}}});
       bare.add({{i, c.root}, "base_link", {turn, c.map_m + Eigen::Vector3d(0.0, 1.0 * i, 0.0)}});
