@@ -310,8 +310,10 @@ PhotoSet read_colmap(const ColmapOptions& options) {
     index[id] = set.cameras.size();
     set.cameras.push_back(camera);
   }
-  std::vector<Posed> images = read_images(folder, binary, set.unposed);
-  std::sort(
+  std::size_t unposed = 0;
+  std::vector<Posed> images = read_images(folder, binary, unposed);
+  if (unposed > 0) set.notes.push_back(fmt::format("{} photographs without a pose are left out", unposed));
+  std::stable_sort(
       images.begin(), images.end(), [](const Posed& a, const Posed& b) { return is_before(a.name, b.name); });
   const fs::path photos = find_images(folder, options.images);
   for (const Posed& image : images) {

@@ -73,7 +73,8 @@ Camera camera_of(Intrinsics& of, const std::string& file) {
   const auto k = [&](const char* key) { return of.number_or(key, 0.0); };
   if (model == "OPENCV_FISHEYE") {
     c.lens = Lens(LensKind::kOpencvFisheye, {k("k1"), k("k2"), k("k3"), k("k4"), std::numbers::pi}, file);
-  } else if (model == "OPENCV" || model == "SIMPLE_RADIAL" || model == "RADIAL") {
+  } else if (model == "PINHOLE" || model == "SIMPLE_PINHOLE" || model == "OPENCV" ||
+             model == "SIMPLE_RADIAL" || model == "RADIAL") {  // as nerfstudio: one lens, by its numbers
     std::vector<double> lens(lens_parameter_names(LensKind::kOpencvPinhole).size(), 0.0);
     if (k("k4") != 0.0)
       throw_input_error(file, "k4", fmt::format("{}", k("k4")), "0 with camera_model " + model);
@@ -82,7 +83,7 @@ Camera camera_of(Intrinsics& of, const std::string& file) {
     const bool plain = std::all_of(lens.begin(), lens.end(), [](double value) { return value == 0.0; });
     lens.back() = std::numbers::pi;
     if (!plain) c.lens = Lens(LensKind::kOpencvPinhole, lens, file);
-  } else if (model != "PINHOLE" && model != "SIMPLE_PINHOLE") {
+  } else {
     throw_input_error(file, "camera_model", '"' + model + '"', "PINHOLE, OPENCV or OPENCV_FISHEYE");
   }
   validate(c, file);
@@ -145,15 +146,25 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
   set.source = file.string();
   read_json_text(read_file(file), set.source, [&](JsonObject& root) {
     root.ignore_other_keys();
+    for (const char* lens : {"latlong", "ftheta_p0"}) {  // instant-ngp's other lenses
+      if (root.has(lens))
+        throw_input_error(set.source, lens, "there", "PINHOLE, OPENCV or OPENCV_FISHEYE, by camera_model");
+    }
+    std::size_t masked = 0;
     (void)root.objects("frames", [&](JsonObject& frame) {
       frame.ignore_other_keys();
       Intrinsics intrinsics(root, frame);
       const std::size_t camera = camera_index(set, camera_of(intrinsics, set.source));
       const Pose pose = pose_of(frame.get("transform_matrix"), set.source, frame.field("transform_matrix"));
       set.photos.push_back({photo_file(folder, frame), camera, pose});
-      set.masked += frame.has("mask_path") ? 1U : 0U;
+      masked += frame.has("mask_path") ? 1U : 0U;
       return 0;
     });
+    if (masked > 0) {
+      set.notes.push_back(fmt::format(
+          "{} masks of single photographs are left out; simuli mask hides what a camera always sees",
+          masked));
+    }
     if (root.has("ply_file_path")) {
       set.points = read_points_ply(inside(folder, root.text("ply_file_path"), set.source, "ply_file_path"));
     }

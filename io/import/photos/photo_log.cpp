@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <iterator>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "host/core/base/spread.hpp"
 #include "host/core/scene/mounting.hpp"
 #include "io/log/new_log.hpp"
+#include "io/picture/image.hpp"
 #include "io/splat/cloud_file.hpp"
 
 namespace simuli {
@@ -59,7 +61,34 @@ Eigen::Quaterniond levelled(const PhotoSet& set) {
   return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
 }
 
+/// Cameras become as large as their photographs are, where these are the whole picture made smaller.
+void resize_cameras(PhotoSet& set) {
+  std::vector<bool> is_known(set.cameras.size());
+  for (const Photo& photo : set.photos) {
+    if (is_known[photo.camera]) continue;
+    is_known[photo.camera] = true;
+    Camera& camera = set.cameras[photo.camera];
+    const Image image = read_image(photo.file);
+    const double ratio = static_cast<double>(image.width) / camera.width;
+    if (3 * image.width > 2 * camera.width || std::abs(ratio * camera.height - image.height) > 1.0) continue;
+    set.notes.push_back(fmt::format("{}: {} x {} px as its photographs, not {} x {}",
+                                    camera.name,
+                                    image.width,
+                                    image.height,
+                                    camera.width,
+                                    camera.height));
+    camera = camera.resized(image.width, image.height);
+  }
+}
+
 void keep_present(PhotoSet& set, PhotoReport& report) {
+  const auto twice = std::unique(
+      set.photos.begin(), set.photos.end(), [](const Photo& a, const Photo& b) { return a.file == b.file; });
+  if (twice != set.photos.end()) {
+    set.notes.push_back(fmt::format("{} photographs are named again, with poses that are left out",
+                                    std::distance(twice, set.photos.end())));
+    set.photos.erase(twice, set.photos.end());
+  }
   const auto is_absent = [](const Photo& photo) {
     std::error_code ignored;
     return !fs::is_regular_file(photo.file, ignored);
@@ -121,9 +150,9 @@ Log write_photo_log(PhotoSet set,
                     const std::function<void(std::size_t, std::size_t)>& progress,
                     PhotoReport& report) {
   keep_present(set, report);
+  resize_cameras(set);
   report.photos = set.photos.size();
-  report.masked = set.masked;
-  report.unposed = set.unposed;
+  report.notes = set.notes;
   report.metres_per_unit = metres_per_unit > 0.0 ? metres_per_unit : usual_scale(set);
   const Eigen::Quaterniond turn = set.level ? levelled(set) : Eigen::Quaterniond::Identity();
   // Around the middle of the photographs, so that float coordinates of points are exact enough.

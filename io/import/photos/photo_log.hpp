@@ -23,18 +23,16 @@ struct PhotoSet {
   std::vector<Camera> cameras;
   std::vector<Photo> photos;            // in an order in which neighbours see the same things
   std::vector<Eigen::Vector3d> points;  // seen by several photographs; may be empty
-  std::size_t unposed = 0;              // photographs whose pose is none; left out
-  std::size_t masked = 0;               // photographs with a mask of their own, which is left out
+  std::vector<std::string> notes;       // what was left out, a line each
   bool level = false;                   // turn the world so that the photographs' mean "up" is +z
 };
 
 struct PhotoReport {
   std::size_t photos = 0;
   std::size_t absent = 0;  // named by the source, but not there
-  std::size_t unposed = 0; // whose pose is none; left out
-  std::size_t masked = 0;  // with a mask of their own, which is left out
   std::size_t points = 0;
   double metres_per_unit = 1.0;
+  std::vector<std::string> notes;  // what was left out or scaled, a line each
 };
 
 /// Whether a comes before b when runs of digits count as numbers: 2.png before 10.png.
@@ -44,7 +42,8 @@ struct PhotoReport {
 /// where its camera does. `metres_per_unit` 0: so that points are typically 10 m from the photographs that
 /// stand nearest to them, or without points that neighbouring photographs are typically 0.5 m apart, which is
 /// what initialisation and training expect of a scene. Photographs that are not there are left out and
-/// counted. Error{kInput} for one of another size than its camera's, or when none is left.
+/// counted, of those named twice the first is taken, and a camera whose photographs are smaller (images_2 ..)
+/// becomes as small. Error{kInput} for one of another shape than its camera's, or when none is left.
 Log write_photo_log(PhotoSet set,
                     double metres_per_unit,
                     const std::filesystem::path& output,

@@ -198,14 +198,37 @@ TEST(Colmap, PhotographsWithoutAPoseAndBlanksBehindNames) {
   std::ofstream(scratch / "text/images.txt") << images << "9 0 0 0 0 1 2 3 7 1.png\n\n";
   PhotoReport report;
   EXPECT_EQ(import_colmap({scratch / "text", {}, ""}, {}, report).images.size(), 4U);
-  EXPECT_EQ(report.unposed, 1U);
+  EXPECT_EQ(report.notes, std::vector<std::string>{"1 photographs without a pose are left out"});
   fs::remove_all(scratch / "images");
   fs::create_directory(scratch / "images");
-  test::expect_error(ErrorKind::kNothing,
-               [&] {
-                 (void)import_colmap({scratch / "text", {}, ""}, {}, report);
-               },
-               {"images.txt", "none of 4, of which the first is " + (scratch / "images/0.png").string()});
+  test::expect_error(
+      ErrorKind::kNothing,
+      [&] {
+        (void)import_colmap({scratch / "text", {}, ""}, {}, report);
+      },
+      {"images.txt", "none of 4, of which the first is " + (scratch / "images/0.png").string()});
+}
+
+TEST(Colmap, SmallerPhotographsAndSuchNamedTwice) {
+  const Scratch scratch;
+  write_photos(scratch / "images_2", kPhotos);
+  write_colmap_text(scratch / "text", "7 PINHOLE 17 11 9 10 8.5 5.5");
+  std::ofstream(scratch / "text/images.txt", std::ios::app) << "9 1 0 0 0 70 0 0 7 2.png\n1 2 -1\n";
+  PhotoReport report;
+  const Log log = import_colmap({scratch / "text", scratch / "images_2", scratch / "x.log"}, {}, report);
+  ASSERT_EQ(log.images.size(), 4U);
+  EXPECT_EQ(report.photos, 4U);
+  EXPECT_EQ(report.notes.size(), 2U);
+  const Camera& camera = log.cameras.at(0).model;
+  EXPECT_EQ(camera.width, 8);
+  EXPECT_DOUBLE_EQ(camera.fx, 9.0 * 8 / 17);
+  EXPECT_DOUBLE_EQ(camera.cy, 3.0);
+  write_colmap_text(scratch / "text", "7 PINHOLE 16 16 9 10 8 8");  // cut, not made smaller
+  expect_input_error(
+      [&] {
+        (void)import_colmap({scratch / "text", scratch / "images_2", scratch / "y.log"}, {}, report);
+      },
+      {"8 x 6", "16 x 16"});
 }
 
 TEST(Colmap, PointsWithoutAnyTrackAreAllTaken) {
@@ -305,6 +328,9 @@ TEST(Nerfstudio, PosesAreOurs) {
   refuse(transforms(head, "EQUIRECTANGULAR"), "camera_model");
   refuse(transforms(head + R"("is_fisheye": true,)", "OPENCV"), "is_fisheye");
   refuse(transforms(head + R"("k4": 0.1,)", "OPENCV"), "k4");
+  refuse(transforms(head + R"("latlong": true,)", "OPENCV"), "latlong");
+  const PhotoSet bent = read_nerfstudio({scratch.file("pinhole.json", transforms(head, "PINHOLE")), {}});
+  EXPECT_EQ(bent.cameras.at(0).lens.kind(), LensKind::kOpencvPinhole);  // k1 counts whatever the name
   refuse(transforms(R"("fl_x": 9, "w": 8.5, "h": 6,)", "OPENCV"), "w: found 8.5");
   refuse(transforms(R"("w": 8, "h": 6,)", "OPENCV"), "camera_angle_x");
   refuse(R"({"fl_x": 9, "w": 8, "h": 6, "frames": [{"file_path": "a.png", "transform_matrix": [[1]]}]})",

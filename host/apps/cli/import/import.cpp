@@ -71,12 +71,7 @@ Lines tell_photos(const PhotoReport& r) {
                           r.absent,
                           r.points,
                           r.metres_per_unit)};
-  if (r.unposed > 0) lines.push_back(fmt::format("{} photographs without a pose are left out", r.unposed));
-  if (r.masked > 0) {
-    lines.push_back(fmt::format(
-        "{} masks of single photographs are left out; simuli mask hides what a camera always sees",
-        r.masked));
-  }
+  lines.insert(lines.end(), r.notes.begin(), r.notes.end());
   return lines;
 }
 
