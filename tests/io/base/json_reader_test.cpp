@@ -83,6 +83,8 @@ TEST(JsonReader, RefusesBadSyntax) {
   expect_input_error([&] { read("{\"a\": NaN}", nothing); }, {"x.json: JSON"});
   expect_input_error([&] { read("{\"a\": 1e999}", nothing); }, {"x.json: JSON", "1e999"});
   expect_input_error([&] { read("{} {}", nothing); }, {"x.json: JSON"});
+  expect_input_error([&] { read(std::string("{}\0{}", 5), nothing); },
+                     {"x.json: JSON: found a fault at byte 2"});
 }
 
 TEST(JsonReader, ReadsAsNlohmannDoes) {
