@@ -12,7 +12,6 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/one_line.hpp"
-#include "io/base/json_entries.hpp"
 
 namespace simuli {
 namespace {
@@ -58,36 +57,6 @@ std::string shortened(const Json& value) {
   return cut(std::move(text));
 }
 
-/// Says in nlohmann's words what is wrong with a text.
-class Fault final : public nlohmann::json_sax<Json> {
- public:
-  explicit Fault(const std::string& file) : file_(file) {}
-
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
-  bool number_integer(number_integer_t) override { return true; }
-  bool number_unsigned(number_unsigned_t) override { return true; }
-  bool number_float(number_float_t, const string_t&) override { return true; }
-  bool string(string_t&) override { return true; }
-  bool binary(binary_t&) override { return true; }
-  bool key(string_t&) override { return true; }
-  bool start_object(std::size_t) override { return true; }
-  bool start_array(std::size_t) override { return true; }
-  bool end_array() override { return true; }
-  bool end_object() override { return true; }
-  bool parse_error(std::size_t, const std::string&, const Json::exception& error) override {
-    // It quotes what it read last: a string without an end is the rest of the file.
-    constexpr std::size_t kMost = 200;
-    std::string what(error.what());
-    what.erase(0, what.starts_with('[') ? what.find(' ') + 1 : 0);  // its own name for the error
-    if (what.size() > kMost) what = what.substr(0, kMost) + "...";
-    throw_input_error(file_, "JSON", what, "well-formed JSON");
-  }
-
- private:
-  const std::string& file_;
-};
-
 /// Reads a text in time that grows with its length: nlohmann's own parser looks through an object at every
 /// key, and takes three times as long for lists of poses.
 class Parser {
@@ -105,21 +74,24 @@ class Parser {
 
   void each(const std::function<void(const Json&)>& use) {
     if (next() != '[') throw_input_error(file_, "root", shortened(whole()), "an array [{...}, ...]");
-    enter();
-    if (!takes(']')) {
-      do use(value());
-      while (takes(','));
-      if (!takes(']')) refuse();
-    }
+    elements(use);
     need_end();
   }
 
  private:
+  /// In nlohmann's words, which keeps nothing of what it reads.
   [[noreturn]] void refuse() const {
-    Fault fault(file_);
-    Json::sax_parse(text_, &fault);
-    throw_input_error(
-        file_, "JSON", fmt::format("a fault at byte {}", at_ - text_.data()), "well-formed JSON");
+    std::string what = fmt::format("a fault at byte {}", at_ - text_.data());
+    try {
+      const Json none = Json::parse(text_, [](int, Json::parse_event_t, Json&) { return false; });
+    } catch (const Json::exception& error) {
+      what = error.what();
+      what.erase(0, what.find(' ') + 1);  // its own name for the error
+      // It quotes what it read last: a string without an end is the rest of the file.
+      constexpr std::size_t kMost = 200;
+      if (what.size() > kMost) what = what.substr(0, kMost) + "...";
+    }
+    throw_input_error(file_, "JSON", what, "well-formed JSON");
   }
 
   void need_end() {
@@ -207,16 +179,21 @@ class Parser {
     return read;
   }
 
-  /// Values wait in one list until their array knows its size: a small array is one allocation.
-  Json array() {
+  template <class Use>
+  void elements(const Use& use) {
     enter();
-    const std::size_t first = values_.size();
     if (!takes(']')) {
-      do values_.push_back(value());
+      do use(value());
       while (takes(','));
       if (!takes(']')) refuse();
     }
     --depth_;
+  }
+
+  /// Values wait in one list until their array knows its size: a small array is one allocation.
+  Json array() {
+    const std::size_t first = values_.size();
+    elements([this](Json element) { values_.push_back(std::move(element)); });
     const auto begin = values_.begin() + static_cast<std::ptrdiff_t>(first);
     Json::array_t elements(std::make_move_iterator(begin), std::make_move_iterator(values_.end()));
     values_.erase(begin, values_.end());

@@ -111,4 +111,10 @@ auto read_json_text(const std::string& text, const std::string& file, Read&& rea
   return object.read_and_finish(read);
 }
 
+/// Reads a file whose root is an array of objects, each forgotten before the next one: tables are large.
+/// Errors as of read_json_text(), one of an entry before one of what stands behind it.
+void read_json_entries(const std::string& text,
+                       const std::string& file,
+                       const std::function<void(JsonObject&)>& read);
+
 }  // namespace simuli

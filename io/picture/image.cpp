@@ -205,14 +205,20 @@ std::vector<Footprint> footprints(int old_size, int new_size) {
   return out;
 }
 
-/// With the channels that the file has.
-Image read_stored(const fs::path& file, const std::function<void(int, int)>& need_size) {
+/// One whose header promises nothing that is not allowed.
+std::pair<std::unique_ptr<PictureInput>, std::string_view> open_sound(const fs::path& file) {
   need_regular_file(file);
   require_whole_png(file);
-  const auto [input, format] = open_picture(file);
+  auto opened = open_picture(file);
+  require_size(file, opened.first->layout());
+  require_pixels_for(file, opened.second, opened.first->layout());
+  return opened;
+}
+
+/// With the channels that the file has.
+Image read_stored(const fs::path& file, const std::function<void(int, int)>& need_size) {
+  const auto [input, format] = open_sound(file);
   const PictureLayout layout = input->layout();
-  require_size(file, layout);
-  require_pixels_for(file, format, layout);
   if (need_size) need_size(layout.width, layout.height);
   Image stored;
   stored.width = layout.width;
@@ -277,6 +283,11 @@ Image as_colors(const Image& stored, int channels) {
 }  // namespace
 
 Image read_image(const fs::path& file) { return read_image(file, nullptr); }
+
+std::pair<int, int> size_of_image(const fs::path& file) {
+  const PictureLayout layout = open_sound(file).first->layout();
+  return {layout.width, layout.height};
+}
 
 Image read_image(const fs::path& file, const std::function<void(int, int)>& need_size) {
   Image stored = read_stored(file, need_size);

@@ -13,7 +13,7 @@
 #include "host/core/base/spread.hpp"
 #include "host/core/scene/mounting.hpp"
 #include "io/log/new_log.hpp"
-#include "io/picture/image.hpp"
+#include "io/picture/sized_image.hpp"
 #include "io/splat/cloud_file.hpp"
 
 namespace simuli {
@@ -68,16 +68,16 @@ void resize_cameras(PhotoSet& set) {
     if (is_known[photo.camera]) continue;
     is_known[photo.camera] = true;
     Camera& camera = set.cameras[photo.camera];
-    const Image image = read_image(photo.file);
-    const double ratio = static_cast<double>(image.width) / camera.width;
-    if (3 * image.width > 2 * camera.width || std::abs(ratio * camera.height - image.height) > 1.0) continue;
+    const auto [width, height] = size_of_image(photo.file);
+    const double ratio = static_cast<double>(width) / camera.width;
+    if (3 * width > 2 * camera.width || std::abs(ratio * camera.height - height) > 1.0) continue;
     set.notes.push_back(fmt::format("{}: {} x {} px as its photographs, not {} x {}",
                                     camera.name,
-                                    image.width,
-                                    image.height,
+                                    width,
+                                    height,
                                     camera.width,
                                     camera.height));
-    camera = camera.resized(image.width, image.height);
+    camera = camera.resized(width, height);
   }
 }
 

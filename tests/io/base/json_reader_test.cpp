@@ -3,7 +3,6 @@
 #include <ctime>
 #include <gtest/gtest.h>
 
-#include "io/base/json_entries.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
