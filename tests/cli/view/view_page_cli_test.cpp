@@ -55,8 +55,10 @@ class ViewPage : public ViewCli {
   void key(const std::string& name, const std::string& more = "") {
     act(fmt::format("document.dispatchEvent(new KeyboardEvent('keydown', {{key: '{}', {}}}))", name, more));
   }
-  void touch(const char* kind, const std::string& fingers) {
-    browser_->command("Input.dispatchTouchEvent", {{"type", kind}, {"touchPoints", json::parse(fingers)}});
+  /// Fingers that are put down, moved and lifted.
+  void touch(const std::string& from, const std::string& to) {
+    for (const auto& [kind, fingers] : {std::pair{"touchStart", from}, {"touchMove", to}, {"touchEnd", "[]"}})
+      browser_->command("Input.dispatchTouchEvent", {{"type", kind}, {"touchPoints", json::parse(fingers)}});
   }
   /// Whether the canvas looks different within some seconds.
   bool changes(const std::string& canvas, const std::function<void()>& how) {
@@ -293,14 +295,11 @@ TEST_F(ViewPage, PointsToWhatIsThere) {
   EXPECT_TRUE(browser_->wait_for("Math.abs($('photo').width / $('photo').height - points.aspect) < 0.02"));
   // One finger turns, two pan and pinch.
   act("was = structuredClone({...points.orbit})");
-  touch("touchStart", R"([{"x": 900, "y": 300, "id": 1}])");
-  touch("touchMove", R"([{"x": 950, "y": 300, "id": 1}])");
-  touch("touchEnd", "[]");
+  touch(R"([{"x": 900, "y": 300, "id": 1}])", R"([{"x": 950, "y": 300, "id": 1}])");
   EXPECT_EQ(tell("points.orbit.azimuth !== was.azimuth && points.orbit.distance === was.distance"), true);
   act("was = structuredClone({...points.orbit})");
-  touch("touchStart", R"([{"x": 900, "y": 300, "id": 1}, {"x": 1000, "y": 300, "id": 2}])");
-  touch("touchMove", R"([{"x": 880, "y": 350, "id": 1}, {"x": 1080, "y": 350, "id": 2}])");
-  touch("touchEnd", "[]");
+  touch(R"([{"x": 900, "y": 300, "id": 1}, {"x": 1000, "y": 300, "id": 2}])",
+        R"([{"x": 880, "y": 350, "id": 1}, {"x": 1080, "y": 350, "id": 2}])");
   EXPECT_EQ(tell("points.orbit.azimuth === was.azimuth && points.orbit.distance < 0.7 * was.distance && "
                  "points.orbit.target[2] !== was.target[2]"),
             true)
@@ -364,14 +363,11 @@ TEST_F(ViewPage, TakesWhatItsHelpSays) {
   EXPECT_TRUE(browser_->wait_for("state.time === 0.4 && Math.abs($('picture').dataset.time - 0.4) < 0.06"));
   // On the picture one finger looks around and two go on.
   act("was = state.yaw");
-  touch("touchStart", R"([{"x": 200, "y": 300, "id": 1}])");
-  touch("touchMove", R"([{"x": 260, "y": 300, "id": 1}])");
-  touch("touchEnd", "[]");
+  touch(R"([{"x": 200, "y": 300, "id": 1}])", R"([{"x": 260, "y": 300, "id": 1}])");
   EXPECT_EQ(tell("state.yaw !== was"), true);
   act("was = state.forward");
-  touch("touchStart", R"([{"x": 200, "y": 300, "id": 1}, {"x": 300, "y": 300, "id": 2}])");
-  touch("touchMove", R"([{"x": 170, "y": 300, "id": 1}, {"x": 330, "y": 300, "id": 2}])");
-  touch("touchEnd", "[]");
+  touch(R"([{"x": 200, "y": 300, "id": 1}, {"x": 300, "y": 300, "id": 2}])",
+        R"([{"x": 170, "y": 300, "id": 1}, {"x": 330, "y": 300, "id": 2}])");
   EXPECT_EQ(tell("state.forward > was"), true);
   // Each layer is shown, by its name.
   for (const char* layer : {"depth", "opacity", "support"}) {
