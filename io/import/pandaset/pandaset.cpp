@@ -37,6 +37,9 @@ constexpr double kReadFrom_s = -0.025, kReadTo_s = 0.005;
 constexpr const char* kSeesVehicle = "back_camera";
 constexpr int kHiddenRows = 260, kRows = 1080;
 
+// About 5000 points of all sweeps tell how the Pandar64 stands.
+constexpr std::size_t kEvery = 20;
+
 /// The pose whose squared distances from all are least: the mean of their places, and of their rotations the
 /// axis in which quaternions agree, their signs left out.
 Pose mean_of(const std::vector<Pose>& poses) {
@@ -252,13 +255,18 @@ class Importer {
   template <class Step>
   void look_at_clouds(const Step& step) {
     Spin spin;
+    std::vector<Eigen::Vector3d> some;
+    const std::size_t every = std::max<std::size_t>(1, kEvery * clouds_.size());
     std::vector<MeasuredPoint> fullest;
     double farthest_m = 1.0, before_s = -kLongestSweep_s;
     for (const auto& [number, file] : clouds_) {
       const auto points = read_points(file, frame_);
       if (const auto own = points.find(PointSource::kPandar64); own != points.end() && has_lidar(kPandar64)) {
-        for (const MeasuredPoint& p : measured(own->second, rig_from_pandar64(), usual_span(own->second)))
-          spin.add(std::atan2(p.position.y(), p.position.x()), p.time_fraction);
+        const auto seen = measured(own->second, rig_from_pandar64(), usual_span(own->second));
+        for (std::size_t i = 0; i < seen.size(); ++i) {
+          spin.add(std::atan2(seen[i].position.y(), seen[i].position.x()), seen[i].time_fraction);
+          if (i % every == 0) some.push_back(seen[i].position);
+        }
       }
       if (const auto own = points.find(PointSource::kPandarGt); own != points.end() && has_lidar(kPandarGt)) {
         if (own->second.first_s() <= before_s) {
@@ -273,11 +281,11 @@ class Importer {
       }
       step();
     }
-    if (spin.points > 0.0) add_pandar64(spin);
+    if (spin.points > 0.0) add_pandar64(spin, some);
     if (!fullest.empty()) add_list(fullest, farthest_m);
   }
 
-  void add_pandar64(const Spin& spin) {
+  void add_pandar64(const Spin& spin, const std::vector<Eigen::Vector3d>& points) {
     const std::complex<double> sum =
         std::abs(spin.clockwise) > std::abs(spin.counter_clockwise) ? spin.clockwise : spin.counter_clockwise;
     report_.spin_agreement = std::abs(sum) / spin.points;
@@ -294,7 +302,9 @@ class Importer {
     model.spin = report_.is_clockwise ? SpinDirection::kClockwise : SpinDirection::kCounterClockwise;
     const double half_column = 0.5 * model.azimuth_span / model.columns;
     model.azimuth_first = std::remainder(std::arg(sum) + model.spin_sign() * half_column, kTurn);
-    log_.lidars.push_back({std::move(model), rig_from_pandar64()});
+    report_.mounting = unit_mounting(model, points);
+    const Pose rig_from_table = rig_from_pandar64() * report_.mounting.table_from_sensor.inverse();
+    log_.lidars.push_back({std::move(model), rig_from_table});
   }
 
   void add_list(const std::vector<MeasuredPoint>& fullest, double farthest_m) {

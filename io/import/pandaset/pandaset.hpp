@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "io/import/points/point_grid.hpp"
+#include "io/import/points/unit_offset.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {
@@ -40,6 +41,7 @@ struct PandasetReport {
   std::vector<std::string> hidden;  // cameras that see the vehicle, whose masks hide it
   // The Pandar64.
   PointReport points;
+  UnitMounting mounting;  // its rows' off the published one
   bool is_clockwise = false;
   double spin_agreement = 0.0;  // of its points' times and directions with an even turn, 0 to 1
   // The PandarGT.
@@ -58,7 +60,7 @@ struct PandasetReport {
 /// published mounting of that: lidar/poses.json has none of the LiDAR. Other cameras: the least squares mean
 /// of their pictures' poses on the rig. Pictures (undistorted pinholes) are read out from top to bottom, from
 /// 25 ms before their stamp to 5 ms after it. Pandar64: on the firing grid of its table, whose spin is found
-/// from the points. PandarGT: as the rays of its points, for what it fired in vain is not recorded. A box
+/// from the points, and where it stands off the published mounting. PandarGT: as the rays of its points, for what it fired in vain is not recorded. A box
 /// stands at the time at which its LiDAR saw it: the median of the points inside.
 /// Files that are not there are gaps. Error{kInput} naming file and field for anything else that does not
 /// fit, and for more than 5 % of the Pandar64's points on no ray; Error{kUsage} for sensors that it has not.

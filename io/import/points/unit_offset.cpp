@@ -9,6 +9,7 @@
 #include "host/core/base/angles.hpp"
 #include "host/core/base/spread.hpp"
 #include "host/core/sensors/lidar_locate.hpp"
+#include "io/import/points/point_grid.hpp"
 
 namespace simuli {
 namespace {
@@ -19,6 +20,54 @@ constexpr double kWorthwhile_rad = 0.02 * kDegree;  // of a table's own mean err
 constexpr double kBetter = 0.5;                     // of that error
 constexpr double kCap_rad = 0.5 * kDegree;          // what is farther off is on no beam
 constexpr std::size_t kPoints = 2000;
+
+// Of mountings.
+constexpr double kAlone =
+    3.0;                   // times the usual gap to the next row, from which on no other one can be meant
+constexpr int kSteps = 6;  // of Gauss and Newton, each with rows chosen again
+constexpr double kSharp_rad = 0.02 * kDegree;                  // scale of the robust weights
+constexpr double kTurned_rad = 1.0 * kDegree, kMoved_m = 0.1;  // standard deviations before points say more
+
+/// How far points are from the cones of the rows nearest to them, and the step that brings them nearer.
+struct RowStep {
+  double error = 0.0;  // rad, the mean
+  Pose step;
+};
+
+RowStep row_step(const Lidar& table,
+                 const std::vector<double>& tolerances,
+                 const std::vector<bool>& counts,
+                 const std::vector<Eigen::Vector3d>& points,
+                 const Pose& table_from_sensor) {
+  using Vector5 = Eigen::Matrix<double, 5, 1>;  // turned about x and y, moved
+  Vector5 prior, right = Vector5::Zero();
+  prior << 1.0 / kTurned_rad, 1.0 / kTurned_rad, Eigen::Vector3d::Constant(1.0 / kMoved_m);
+  Eigen::Matrix<double, 5, 5> normal = prior.cwiseAbs2().asDiagonal();
+  RowStep out;
+  double count = 0.0;
+  for (const Eigen::Vector3d& point : points) {
+    const Eigen::Vector3d p = table_from_sensor * point;
+    const int row = nearest_row(table, tolerances, p);
+    if (row < 0 || !counts[static_cast<std::size_t>(row)]) continue;
+    const LidarRow& beam = table.rows[static_cast<std::size_t>(row)];
+    const Eigen::Vector3d d = p - Eigen::Vector3d(0.0, 0.0, beam.vertical_offset);
+    const double across = d.head<2>().norm(), off = std::atan2(d.z(), across) - beam.elevation;
+    const Eigen::Vector3d slope =
+        Eigen::Vector3d(-d.z() * d.x() / across, -d.z() * d.y() / across, across) / d.squaredNorm();
+    Vector5 by;
+    by << p.cross(slope).head<2>(), slope;
+    const double weight = 1.0 / (kSharp_rad * kSharp_rad + off * off);
+    normal += weight * by * by.transpose();
+    right -= weight * off * by;
+    out.error += std::abs(off);
+    count += 1.0;
+  }
+  out.error /= std::max(1.0, count);
+  const Vector5 change = normal.ldlt().solve(right);
+  const Eigen::Vector3d half(0.5 * change[0], 0.5 * change[1], 0.0);
+  out.step = {Eigen::Quaterniond(1.0, half.x(), half.y(), half.z()).normalized(), change.tail<3>()};
+  return out;
+}
 
 }  // namespace
 
@@ -63,6 +112,34 @@ double unit_offset(const Lidar& table, const std::vector<Eigen::Vector3d>& point
     if (std::abs(left) < kCap_rad) rest.push_back(left);
   }
   return rest.empty() ? 0.0 : best + upper_median(std::move(rest));
+}
+
+UnitMounting unit_mounting(const Lidar& table, const std::vector<Eigen::Vector3d>& points) {
+  const std::vector<double> tolerances = row_tolerances(table);
+  std::vector<double> gaps(table.rows.size(), kTurn);
+  for (std::size_t r = 0; r + 1 < gaps.size(); ++r) {
+    const double gap = std::abs(table.rows[r].elevation - table.rows[r + 1].elevation);
+    gaps[r] = std::min(gaps[r], gap);
+    gaps[r + 1] = gap;
+  }
+  const std::vector<bool> all(gaps.size(), true);
+  std::vector<bool> alone;
+  for (const double gap : gaps) alone.push_back(gap >= kAlone * upper_median(gaps));
+  const auto fit = [&](const std::vector<bool>& counts, Pose& pose) {
+    for (int i = 0; i < kSteps; ++i) pose = row_step(table, tolerances, counts, points, pose).step * pose;
+  };
+  UnitMounting out;
+  out.before_rad = out.left_rad = row_step(table, tolerances, all, points, {}).error;
+  if (out.before_rad < kWorthwhile_rad) return out;
+  // Rows that stand alone first: with what they have found, points of close ones are nearest to their own.
+  Pose found;
+  fit(alone, found);
+  fit(all, found);
+  const double left = row_step(table, tolerances, all, points, found).error;
+  if (left > kBetter * out.before_rad) return out;
+  out.table_from_sensor = found;
+  out.left_rad = left;
+  return out;
 }
 
 std::string raise_beams(Lidar& table, double offset) {

@@ -157,7 +157,9 @@ class MadeSequence {
   static constexpr int kColumns = 180;
   static constexpr double kStart_s = 1.6e9, kTower_m = 12.0, kFirst_rad = 2.0;
 
-  explicit MadeSequence(const std::filesystem::path& root) : root_(root) {
+  /// `published_from_rows`: how the Pandar64's rows stand, unknown to the files.
+  explicit MadeSequence(const std::filesystem::path& root, const Pose& published_from_rows = {})
+      : root_(root), published_from_rows_(published_from_rows) {
     for (const char* folder : {"camera/front_camera", "camera/back_camera", "lidar", "annotations/cuboids"})
       std::filesystem::create_directories(root / folder);
     camera("front_camera", 0.05, pandaset::camera_from_pandar64().inverse());
@@ -219,7 +221,7 @@ class MadeSequence {
     write("camera/" + name + "/intrinsics.json", R"({"fx": 9.0, "fy": 9.0, "cx": 3.5, "cy": 2.5})");
   }
 
-  static MadeTable points(std::size_t frame) {
+  [[nodiscard]] MadeTable points(std::size_t frame) const {
     MadeTable out{{{"x", {}}, {"y", {}}, {"z", {}}, {"i", {}}, {"t", {}}, {"d", {}}}, {}};
     const auto add = [&](const Eigen::Vector3d& world, double intensity, double time_s, double source) {
       const double values[] = {world.x(), world.y(), world.z(), intensity, kStart_s + time_s, source};
@@ -228,7 +230,8 @@ class MadeSequence {
     for (int row = 0; row < table().row_count(); ++row) {
       for (int c = 0; c < kColumns; ++c) {
         const double time_s = 0.1 * static_cast<double>(frame) + column_s(c);
-        add(pandar64_at(time_s) * (kTower_m * direction(row, c)), 51.0, time_s, 0.0);
+        const Pose sensor = pandar64_at(time_s) * published_from_rows_;
+        add(sensor * (kTower_m * direction(row, c)), 51.0, time_s, 0.0);
       }
     }
     const std::size_t own = frame == 0 ? 10 : 8;
@@ -266,6 +269,7 @@ class MadeSequence {
   }
 
   std::filesystem::path root_;
+  Pose published_from_rows_;
 };
 
 }  // namespace simuli::test

@@ -33,6 +33,15 @@ std::vector<std::string> tell_pandaset(const PandasetReport& r) {
                                 r.is_clockwise ? "" : "counter-",
                                 r.spin_agreement,
                                 points_line(r.points)));
+    const Pose& off = r.mounting.table_from_sensor;
+    lines.push_back(
+        fmt::format("pandar64: {:.1f} cm and {:.3f} degrees off the published mounting; its points lie "
+                    "{:.3f} degrees off "
+                    "its rows, {:.3f} before",
+                    100.0 * off.translation.norm(),
+                    off.rotation.angularDistance(Eigen::Quaterniond::Identity()) / kDegree,
+                    r.mounting.left_rad / kDegree,
+                    r.mounting.before_rad / kDegree));
   }
   if (r.list_rays > 0) {
     lines.push_back(fmt::format(
