@@ -13,7 +13,7 @@ import sys
 import numpy as np
 import pandas as pd
 
-from points_folder import Folder, Path, camera, lidar, matrix, spin
+from points_folder import Folder, Path, camera, lidar, matrix, run, spin
 
 TABLE, COLUMNS = "velodyne_vlp32c", 1800
 
@@ -106,4 +106,4 @@ def main(log, out):
 if __name__ == "__main__":
     if len(sys.argv) != 3:
         sys.exit(__doc__)
-    main(*sys.argv[1:])
+    run(main, *sys.argv[1:])

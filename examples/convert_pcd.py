@@ -21,7 +21,7 @@ import sys
 
 import numpy as np
 
-from points_folder import Folder, Path, matrix, pose, spin, turn_s
+from points_folder import Folder, Path, matrix, pose, run, spin, turn_s
 
 INTENSITY = ("intensity", "reflectivity", "i")
 TIMES = ("t", "time", "timestamp", "time_stamp", "offset_time", "curvature")
@@ -281,4 +281,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

@@ -17,6 +17,8 @@ import zlib
 import numpy as np
 import pyarrow.parquet as pq
 
+from points_folder import run
+
 TIME, CAMERA, LASER = "key.frame_timestamp_micros", "key.camera_name", "key.laser_name"
 LENS = ("f_u", "f_v", "c_u", "c_v", "k1", "k2", "p1", "p2", "k3")
 BOX = ("center.x", "center.y", "center.z", "size.y", "size.x", "size.z", "heading")  # fields 1 to 7 of Label.Box
@@ -182,4 +184,4 @@ def main(folder, out, segment=None):
 if __name__ == "__main__":
     if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
-    main(*sys.argv[1:])
+    run(main, *sys.argv[1:])

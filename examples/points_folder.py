@@ -3,6 +3,8 @@
 import json
 import pathlib
 import shutil
+import sys
+import tempfile
 
 import numpy as np
 
@@ -109,11 +111,24 @@ def camera(name, width, height, fx, fy, cx, cy, rig_from_camera):
             "rig_from_camera": pose(rig_from_camera)}
 
 
+def run(main, *arguments):
+    """Tells in a line which file or number main() could not read."""
+    try:
+        main(*arguments)
+    except (OSError, ValueError, KeyError) as error:
+        sys.exit(f"{pathlib.Path(sys.argv[0]).name}: {type(error).__name__}: {error}".replace("\n", " "))
+
+
 class Folder:
-    """The folder being written; its name must be new."""
+    """The folder being written; its name must be new, and nothing has it before finish()."""
 
     def __init__(self, path, name, start_ns):
-        self.path = pathlib.Path(path)
+        self.whole = pathlib.Path(path)
+        if self.whole.exists():
+            sys.exit(f"{path}: found something of that name, allowed a folder that is new")
+        self.whole.parent.mkdir(parents=True, exist_ok=True)
+        self.temporary = tempfile.TemporaryDirectory(prefix=".", dir=self.whole.parent)  # removed at the latest at exit
+        self.path = pathlib.Path(self.temporary.name) / "whole"
         (self.path / "points").mkdir(parents=True)
         (self.path / "images").mkdir()
         self.json = {"format": "simuli points", "version": 1, "name": name, "start_ns": int(start_ns),
@@ -155,3 +170,4 @@ class Folder:
             self.json[frames].sort(key=lambda f: f["time_start_ns"])
         self.json["world_from_rig"] = [{"time_ns": int(t), **pose(m)} for t, m in zip(path.times_ns, path.poses)]
         (self.path / "points.json").write_text(json.dumps(self.json))
+        self.path.rename(self.whole)

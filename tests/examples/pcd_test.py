@@ -197,13 +197,20 @@ assert order == [1, 2, 3, 4, 5], order
 def refuse(word, *arguments):
     run = convert(*arguments, "--lidar", TABLE)
     assert run.returncode == 1 and word in run.stderr and run.stderr.count("\n") == 1, (word, run.stderr)
+    assert not (work / "x").exists() and not list(work.glob(".*")), word
 
 
+refuse("nowhere", work / "nowhere", kitti, work / "x")
+refuse("nowhere.txt", bare, work / "nowhere.txt", work / "x")
+(bare / "y.txt").write_text("1 0 0 a 0 1 0 0 0 0 1 0\n")
+refuse("'a'", bare, bare / "y.txt", work / "x")
+refuse("'six'", bare, kitti, work / "x", "--mount", "1,2,3,4,5,six")
+refuse("found something of that name", bare, kitti, work / "a")
 refuse("found 3 numbers", bare, bare / "x.txt" if (bare / "x.txt").write_text("1 2 3\n") else "", work / "x")
 refuse("3 clouds, 1 poses", bare, short if short.write_text(kitti.read_text().split("\n")[0] + "\n") else "", work / "x")
 (bare / "000001.pcd").write_bytes((bare / "000001.pcd").read_bytes()[:-5])
-refuse("000001.pcd: found", bare, kitti, work / "y")
+refuse("000001.pcd: found", bare, kitti, work / "x")
 (bare / "000001.pcd").write_bytes(b"ply\n")
-refuse("found no DATA line", bare, kitti, work / "z")
+refuse("found no DATA line", bare, kitti, work / "x")
 (bare / "000001.pcd").write_bytes(b"FIELDS x y\nSIZE 4 4\nTYPE F F\nPOINTS 0\nDATA ascii\n")
-refuse("000001.pcd: header: found ValueError no x, y, z", bare, kitti, work / "w")
+refuse("000001.pcd: header: found ValueError no x, y, z", bare, kitti, work / "x")
