@@ -173,7 +173,7 @@ def main(folder, out, segment=None):
             file.write(struct.pack("<Q", len(frame)) + bytes(4) + frame + bytes(4))
     posed = set(times)
     beside = sum(k[0] not in posed for c in (images, sweeps) for k in c.places)
-    print(f"{segment}: {len(times)} frames, {camera_count} camera{"s" * (camera_count != 1)}, lasers {', '.join(map(str, sorted(lasers)))} "
+    print(f"{segment}: {len(times)} frames, {camera_count} camera{'s' * (camera_count != 1)}, lasers {', '.join(map(str, sorted(lasers)))} "
           f"(1: TOP), {'no boxes: lidar_box is not there' if boxes is None else f'{len(boxes.places)} boxes'}")
     for count, what in ((lost_pictures, "pictures are not there"), (lost_sweeps, "sweeps of TOP are not there"),
                         (beside, "pictures and sweeps have no pose of the vehicle and are left out")):

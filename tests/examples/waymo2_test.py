@@ -182,7 +182,7 @@ there = frames(work / "v1.tfrecord")
 as_version_2(there, root)
 said = convert(root, work / "back.tfrecord")
 assert said.returncode == 0, said.stderr
-assert f"{SEGMENT}: {len(there)} frames, 1 cameras" in said.stdout and "2 boxes" in said.stdout, said.stdout
+assert f"{SEGMENT}: {len(there)} frames, 1 camera," in said.stdout and "2 boxes" in said.stdout, said.stdout
 first, second = imported(work / "v1.tfrecord", work / "v1.log"), imported(work / "back.tfrecord", work / "v2.log")
 assert second["name"] == SEGMENT.replace("-", "_"), second["name"]
 assert {**first, "name": ""} == {**second, "name": ""}, (first, second)
