@@ -14,7 +14,6 @@ namespace simuli {
 namespace {
 
 constexpr double kNearestWall_m = 1.0;  // from the sensor
-constexpr double kFarthestWall_m = 60.0;
 /// A beam passes a place when it is no farther off than this, or than half-way to the next beam.
 constexpr double kBesideBeam_m = 0.15;
 /// A ray ends at a place when their ranges differ by no more than this, or this share of the range.
@@ -38,7 +37,7 @@ class PassingRays {
       share = (column(p, 0.0) + 0.5) / lidar_.columns;
     }
     const double across_m = p.head<2>().norm();
-    if (!(across_m > kNearestWall_m && across_m < kFarthestWall_m)) return false;
+    if (!(across_m > kNearestWall_m)) return false;
     const std::size_t row = nearest_row(across_m, p.z());
     if (row == lidar_.rows.size()) return false;
     const double range_m = std::hypot(across_m, p.z() - lidar_.rows[row].vertical_offset);
