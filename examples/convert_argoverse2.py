@@ -16,6 +16,8 @@ import pandas as pd
 from points_folder import Folder, Path, camera, lidar, matrix, run, spin
 
 TABLE, COLUMNS = "velodyne_vlp32c", 1800
+# Of the height: 250 rows of the pictures, which evaluations crop (georghess/neurad-studio's parser).
+VEHICLE = {"ring_front_center": 250 / 2048, "ring_rear_left": 250 / 1550, "ring_rear_right": 250 / 1550}
 
 
 def poses_of(table):
@@ -92,6 +94,8 @@ def main(log, out):
             continue
         folder.json["cameras"].append(camera(name, c["width_px"], c["height_px"], c["fx_px"], c["fy_px"], c["cx_px"],
                                              c["cy_px"], rig_from[name]))
+        if name in VEHICLE:
+            folder.hide_lowest(name, int(c["width_px"]), int(c["height_px"]), VEHICLE[name])
         for f in pictures:
             folder.image(name, f, int(f.stem))
     if (log / "annotations.feather").exists():

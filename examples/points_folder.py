@@ -3,8 +3,10 @@
 import json
 import pathlib
 import shutil
+import struct
 import sys
 import tempfile
+import zlib
 
 import numpy as np
 
@@ -149,6 +151,19 @@ class Folder:
         shutil.copyfile(source, self.path / file)
         self.json["images"].append({"camera": name, "file": file, "time_start_ns": int(time_ns),
                                     "time_end_ns": int(time_ns)})
+
+    def hide_lowest(self, name, width, height, share):
+        """That share of the height of a camera's pictures shows the vehicle."""
+        def chunk(kind, data):
+            return (struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data)))
+        image = np.zeros((height, width + 1), np.uint8)  # a byte more for each row's filter: none
+        image[height - round(share * height):, 1:] = 255
+        (self.path / "masks").mkdir(exist_ok=True)
+        file = f"masks/{name}.png"
+        (self.path / file).write_bytes(
+            b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0)) +
+            chunk(b"IDAT", zlib.compress(image.tobytes())) + chunk(b"IEND", b""))
+        self.json.setdefault("masks", []).append({"camera": name, "file": file})
 
     def box(self, key, kind, size_m, time_ns, world_from_box):
         """`size_m`: length, width, height of the object `key`, its x axis forward."""

@@ -1,9 +1,13 @@
 #include "io/log/new_log.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
 #include <system_error>
 
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
+#include "io/picture/image.hpp"
 
 namespace simuli {
 
@@ -46,6 +50,20 @@ void put_picture(const Log& log,
                  const Camera& camera,
                  const std::string& source) {
   put_file(log, file, [&](const std::filesystem::path& to) { copy_picture(from, to, camera, source); });
+}
+
+std::vector<std::string> hide_lowest(Log& log, const std::string& camera, double share) {
+  const auto found = std::find_if(
+      log.cameras.begin(), log.cameras.end(), [&](const LogCamera& c) { return c.model.name == camera; });
+  if (found == log.cameras.end() || found->model.width == 0) return {};
+  const int width = found->model.width, height = found->model.height;
+  const int from = static_cast<int>(std::floor((1.0 - share) * height + 1e-6));
+  Image mask(width, height, 1);
+  const auto first = static_cast<std::ptrdiff_t>(from) * width;
+  std::fill(mask.data.begin() + first, mask.data.end(), 1.0F);
+  log.masks.push_back({camera, fmt::format("masks/{}/vehicle.png", camera)});
+  put_file(log, log.masks.back().file, [&](const std::filesystem::path& to) { write_image(to, mask); });
+  return {fmt::format("{}: rows {} to {} show the vehicle and are hidden", camera, from, height - 1)};
 }
 
 void put_file(const Log& log,

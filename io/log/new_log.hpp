@@ -2,6 +2,8 @@
 // Logs that appear whole or not at all.
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "io/log/log.hpp"
 
@@ -25,6 +27,9 @@ void put_picture(const Log& log,
                  const std::string& file,
                  const Camera& camera,
                  const std::string& source);
+/// Hides the lowest `share` of all pictures of a camera, which show the vehicle there. The line that tells it; none
+/// where the log has no pictures of such a camera.
+[[nodiscard]] std::vector<std::string> hide_lowest(Log& log, const std::string& camera, double share);
 /// `write(path)` in a folder that is there; not of a survey.
 void put_file(const Log& log,
               const std::string& file,

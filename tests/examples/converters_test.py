@@ -119,6 +119,9 @@ def argoverse2():
     track = log["actors"][0]["track"]
     assert np.allclose(track[0]["position_m"], track[1]["position_m"], atol=1e-4), track
     assert len(log["images"]) == TURNS and log["cameras"][0]["cx_px"] == 4.0
+    info = json.loads(subprocess.run([simuli, "info", work / "av2.log", "--json"], check=True, text=True,
+                                     capture_output=True).stdout)
+    assert abs(info["hidden_shares"]["ring_front_center"] - 1 / 6) < 1e-6, info  # 250 of 2048 rows
 
 
 argoverse2()

@@ -26,6 +26,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kLidar = "LIDAR_TOP";
+// The back camera sees its vehicle in the lowest rows, which neurad-studio crops.
+constexpr const char* kSeesVehicle = "CAM_BACK";
+constexpr double kVehicle = 80.0 / 900.0;
 
 /// A table: entries by token, each with the function that reads it.
 template <class Read>
@@ -284,6 +287,7 @@ Log import_nuscenes(const NuscenesOptions& options,
       log.images.push_back({r.channel, file, seconds(&r), seconds(&r)});
       step();
     }
+    report.hidden = hide_lowest(log, kSeesVehicle, kVehicle);
     for (std::size_t i = 0; i < turns.size(); ++i) {
       const std::string file = fmt::format("sweeps/{:06}.exr", i);
       const Pose& mount = log.lidars[0].rig_from_lidar;

@@ -17,9 +17,10 @@ struct NuscenesOptions {
 };
 
 struct NuscenesReport {
-  std::size_t absent = 0;    // pictures and sweeps that the tables name and that are not there
-  std::size_t rays = 0;      // of all firing grids
-  std::size_t returned = 0;  // of these
+  std::size_t absent = 0;           // pictures and sweeps that the tables name and that are not there
+  std::size_t rays = 0;             // of all firing grids
+  std::size_t returned = 0;         // of these
+  std::vector<std::string> hidden;  // cameras that see the vehicle, whose masks hide it
 };
 
 /// Imports one scene of nuScenes: all cameras (rectified pinholes; 12 Hz), LIDAR_TOP (HDL-32E; 20 Hz), boxes.

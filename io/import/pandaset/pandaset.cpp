@@ -33,9 +33,9 @@ constexpr const char* kPandarGt = "pandargt";
 // pandaset_dataparser.py: rolling_shutter_time, time_to_center_pixel).
 constexpr double kReadFrom_s = -0.025, kReadTo_s = 0.005;
 
-// The back camera sees its vehicle in the lowest 260 of 1080 rows, which evaluations leave out, too.
+// The back camera sees its vehicle in the lowest rows, which evaluations leave out, too.
 constexpr const char* kSeesVehicle = "back_camera";
-constexpr int kHiddenRows = 260, kRows = 1080;
+constexpr double kVehicle = 260.0 / 1080.0;
 
 // About 5000 points of all sweeps tell how the Pandar64 stands.
 constexpr std::size_t kEvery = 20;
@@ -410,19 +410,7 @@ class Importer {
   void hide_vehicle() {
     // A camera without a picture has no size, and no place in the log.
     std::erase_if(log_.cameras, [](const LogCamera& c) { return c.model.width == 0; });
-    for (const LogCamera& camera : log_.cameras) {
-      const Camera& model = camera.model;
-      if (model.name != kSeesVehicle) continue;
-      Image mask(model.width, model.height, 1);
-      const int from = static_cast<int>(std::int64_t{model.height} * (kRows - kHiddenRows) / kRows);
-      for (int y = from; y < model.height; ++y) {
-        for (int x = 0; x < model.width; ++x) mask.at(x, y, 0) = 1.0F;
-      }
-      const std::string name = fmt::format("masks/{}/vehicle.png", model.name);
-      put_file(log_, name, [&](const fs::path& to) { write_image(to, mask); });
-      log_.masks.push_back({model.name, name});
-      report_.hidden.push_back(fmt::format("{}: rows {} to {}", model.name, from, model.height - 1));
-    }
+    report_.hidden = hide_lowest(log_, kSeesVehicle, kVehicle);
   }
 
   const PandasetOptions& options_;

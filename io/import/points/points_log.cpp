@@ -274,6 +274,10 @@ Log import_points(const PointsOptions& options,
       put_picture(log, from, image.file, log.camera(image.camera).model, source.string());
       step();
     }
+    for (const LogMask& mask : log.masks) {
+      const std::string bytes = read_file(options.folder / mask.file);
+      put_file(log, mask.file, [&](const fs::path& to) { write_file_atomically(to, bytes); });
+    }
     if (!log.points.empty()) {
       const fs::path from = options.folder / log.points;
       log.points = "points.ply";

@@ -14,6 +14,7 @@
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/import/nuscenes/nuscenes_sweep.hpp"
+#include "io/log/camera_mask.hpp"
 #include "io/picture/image.hpp"
 #include "tests/io/linear.hpp"
 #include "tests/io/scratch.hpp"
@@ -172,6 +173,19 @@ TEST(Nuscenes, ASceneBecomesALog) {
   EXPECT_EQ(log.actors[0].name, "car_0");
   EXPECT_EQ(log.actors[0].size_m, Eigen::Vector3d(4.5, 1.9, 1.6));
   EXPECT_NEAR(log.actors[0].at(0.238).translation.y(), 2.5, 1e-6);
+}
+
+TEST(Nuscenes, VehicleInTheBackCameraIsHidden) {
+  const Scratch scratch;
+  DataSet data(scratch);
+  NuscenesReport report;
+  const Log front = import_nuscenes({data.write(), "", "scene-0001", scratch / "f.log"}, {}, report);
+  EXPECT_TRUE(front.hidden.empty() && report.hidden.empty());
+  data.table["sensor"][0]["channel"] = "CAM_BACK";
+  const Log back = import_nuscenes({data.write(), "", "scene-0001", scratch / "b.log"}, {}, report);
+  EXPECT_NEAR(back.hidden.at("CAM_BACK")->hidden_share(), 1.0 / 6.0, 1e-9);  // 80 of 900 rows, of 6
+  ASSERT_EQ(report.hidden.size(), 1U);
+  EXPECT_EQ(report.hidden[0], "CAM_BACK: rows 5 to 5 show the vehicle and are hidden");
 }
 
 TEST(Nuscenes, TablesAreReadInProportionToTheirLength) {

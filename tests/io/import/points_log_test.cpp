@@ -11,6 +11,7 @@
 
 #include "host/core/sensors/lidar_library.hpp"
 #include "io/base/file.hpp"
+#include "io/log/camera_mask.hpp"
 #include "io/log/log_json.hpp"
 #include "io/synth/street.hpp"
 #include "tests/io/scratch.hpp"
@@ -84,6 +85,11 @@ class Folder {
       json["sweeps"][i]["file"] = file;
     }
     fs::copy(log.folder / "images", path / "images");
+    Image hood(48, 27, 1);
+    std::fill(hood.data.end() - 48 * 9, hood.data.end(), 1.0F);
+    fs::create_directories(path / "masks");
+    write_image(path / "masks" / "hood.png", hood);
+    json["masks"] = {{{"camera", log.cameras[0].model.name}, {"file", "masks/hood.png"}}};
   }
   [[nodiscard]] const fs::path& write() const {
     std::ofstream(path / "points.json") << json.dump();
@@ -113,6 +119,7 @@ TEST(PointsLog, TheStreetComesBack) {
       ASSERT_EQ(back.sweeps.size(), log.sweeps.size());
       EXPECT_EQ(back.images.size(), log.images.size());
       EXPECT_EQ(back.actors.size(), log.actors.size());
+      EXPECT_NEAR(back.hidden.at(log.cameras[0].model.name)->hidden_share(), 1.0 / 3.0, 1e-9);
       EXPECT_EQ(report.unplaced, 0U);
       EXPECT_EQ(report.echoes, 0U);
       EXPECT_EQ(report.returned, report.points);

@@ -91,7 +91,10 @@ void add_photos(Command command,
 }
 
 Lines tell_nuscenes(const NuscenesReport& r) {
-  return {fmt::format("{} named files are absent; {} of {} rays returned", r.absent, r.returned, r.rays)};
+  Lines lines = r.hidden;
+  lines.push_back(
+      fmt::format("{} named files are absent; {} of {} rays returned", r.absent, r.returned, r.rays));
+  return lines;
 }
 
 Lines tell_waymo(const WaymoReport& r) {

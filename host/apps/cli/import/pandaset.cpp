@@ -26,8 +26,7 @@ std::vector<std::string> tell_pandaset(const PandasetReport& r) {
                     1e3 * mount.off_m,
                     mount.off_rad / kDegree));
   }
-  for (const std::string& rows : r.hidden)
-    lines.push_back(fmt::format("{} show the vehicle and are hidden", rows));
+  lines.insert(lines.end(), r.hidden.begin(), r.hidden.end());
   if (r.points.points > 0) {
     lines.push_back(fmt::format("pandar64: turns {}clockwise, agreement {:.3f}; {}",
                                 r.is_clockwise ? "" : "counter-",
