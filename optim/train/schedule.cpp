@@ -41,12 +41,14 @@ std::vector<double> row_epsilons(int sh_degree, double colour_epsilon) {
 }
 
 std::vector<double> row_rates(const LearningRates& rates, int sh_degree, double progress) {
-  const double share = std::pow(rates.final_share, progress);
+  const double cooled = std::max(0.0, progress - (1.0 - kCoolDown)) / kCoolDown;
+  const double last = 1.0 - (1.0 - rates.last_share) * cooled;
+  const double share = last * std::pow(rates.final_share, progress);
   std::vector<double> row(static_cast<std::size_t>(param_rows(sh_degree)), share * rates.sh_rest);
   const auto set = [&row](int first, int count, double rate) {
     std::fill_n(row.begin() + first, count, rate);
   };
-  set(kMeanRow, 3, rates.mean_m * std::pow(rates.mean_final_m / rates.mean_m, progress));
+  set(kMeanRow, 3, last * rates.mean_m * std::pow(rates.mean_final_m / rates.mean_m, progress));
   set(kLogScaleRow, 3, share * rates.log_scale);
   set(kRotationRow, 4, share * rates.rotation);
   set(kOpacityRow, 1, share * rates.opacity);

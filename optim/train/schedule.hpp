@@ -35,8 +35,12 @@ class FrameOrder {
   std::uint64_t epoch_ = 0;
 };
 
+inline constexpr double kCoolDown = 0.2;  // of a training, at its end
+
 /// Learning rates of the parameter groups, per step of Adam, at the start. All fall exponentially: to
-/// mean_final_m, and to final_share of what they were. The defaults are the camera set's. On drive 0052, 250
+/// mean_final_m, and to final_share of what they were. During the cool-down they also fall in proportion, to
+/// last_share of that, and the noise of the last steps with them: street 31.77 -> 31.86 dB, 0052 28.24 -> 28.31
+/// (400 and 300 iterations, the latter at quarter size). The defaults are the camera set's. On drive 0052, 250
 /// iterations: 27.82 dB; scales of 0.02, colours of 0.02 and 0.002: 27.41; means of 0.02, scales of 0.04 and
 /// rotations of 0.01: 28.10, but flow on the street is off by 0.136 px instead of 0.096 (docs/DECISIONS.md).
 struct LearningRates {
@@ -48,6 +52,7 @@ struct LearningRates {
   double sh = 3e-2;        // of degree 0
   double sh_rest = 4e-3;   // of the degrees above
   double final_share = 0.3;
+  double last_share = 0.05;
 };
 template <class F>
 constexpr void visit_fields(LearningRates& o, F&& field) {
@@ -63,6 +68,7 @@ constexpr void visit_fields(LearningRates& o, F&& field) {
   field.keyless(o.opacity);
   field.keyless(o.sh_rest);
   field.keyless(o.final_share);
+  field.keyless(o.last_share);
 }
 
 /// Adam's epsilon of each parameter row [param_rows(sh_degree)]: `colour_epsilon` of those that state

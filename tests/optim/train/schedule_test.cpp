@@ -1,6 +1,7 @@
 #include "optim/train/schedule.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <memory>
 #include <vector>
@@ -53,6 +54,7 @@ TEST(RowRates, EachGroupHasItsRate) {
   rates.mean_m = 1e-2;
   rates.mean_final_m = 1e-4;
   rates.final_share = 0.01;
+  rates.last_share = 0.5;
   const std::vector<double> half = row_rates(rates, 1, 0.5);  // half-way on a logarithmic scale
   ASSERT_EQ(half.size(), static_cast<std::size_t>(param_rows(1)));
   EXPECT_NEAR(half[kMeanRow + 2], 1e-3, 1e-12);
@@ -63,8 +65,11 @@ TEST(RowRates, EachGroupHasItsRate) {
   EXPECT_NEAR(half[kShRow + 3], 0.1 * rates.sh_rest, 1e-12);
   EXPECT_EQ(row_rates(rates, 0, 0.0)[kMeanRow], 1e-2);
   EXPECT_EQ(row_rates(rates, 0, 0.0)[kOpacityRow], rates.opacity);
-  EXPECT_NEAR(row_rates(rates, 0, 1.0)[kMeanRow], 1e-4, 1e-15);
-  EXPECT_NEAR(row_rates(rates, 0, 1.0)[kOpacityRow], 0.01 * rates.opacity, 1e-15);
+  // Over the last fifth they fall to half of that.
+  EXPECT_NEAR(row_rates(rates, 0, 0.8)[kOpacityRow], std::pow(0.01, 0.8) * rates.opacity, 1e-12);
+  EXPECT_NEAR(row_rates(rates, 0, 0.9)[kOpacityRow], 0.75 * std::pow(0.01, 0.9) * rates.opacity, 1e-12);
+  EXPECT_NEAR(row_rates(rates, 0, 1.0)[kMeanRow], 0.5e-4, 1e-15);
+  EXPECT_NEAR(row_rates(rates, 0, 1.0)[kOpacityRow], 0.5 * 0.01 * rates.opacity, 1e-15);
 }
 
 TEST(RowEpsilons, AreOfColoursAlone) {
