@@ -45,10 +45,6 @@ class FrameWriter {
   std::size_t total = 0;
 
  private:
-  struct Damage {
-    std::size_t count = 0, of = 0;  // messages
-    std::string first;              // error
-  };
   /// Whether `read` can read the message; what it throws is counted.
   [[nodiscard]] bool is_sound(const std::string& topic, const std::function<void()>& read);
   /// Neither beside the path nor a second one of that stamp; those are counted.

@@ -80,6 +80,10 @@ class Importer {
            " has several parents: the one that leads to --world-frame, else the newest is taken");
     choose_lidars();
     choose_cameras();
+    for (const auto& [topic, damage] : scan_.damaged) {  // of the others FrameWriter tells
+      if (lidars_.count(topic) == 0 && cameras_.count(topic) == 0)
+        note(fmt::format("left out: {} messages of {}: {}", damage.count, topic, damage.first));
+    }
     if (lidars_.empty() && cameras_.empty()) {
       const std::string why = fmt::format("{}", fmt::join(report_.notes, "; "));
       throw_nothing_left(
@@ -153,6 +157,12 @@ class Importer {
     throw_input_error(file_, topic, "a name that two sensors would have", "topics that differ");
   }
 
+  /// Error{kInput} of a topic without a sound message.
+  void need_sound(const std::string& topic) const {
+    const auto damage = scan_.damaged.find(topic);
+    if (damage != scan_.damaged.end()) throw Error(ErrorKind::kInput, damage->second.first);
+  }
+
   /// rig_from_sensor, a camera's or a LiDAR's.
   Pose mount_of(const std::string& topic, const std::string& frame, bool is_camera) const {
     const auto asked = options_.mounts.find(topic);
@@ -203,8 +213,10 @@ class Importer {
     }
     for (const Ros2Lidar& asked : options_.lidars) {
       const auto found = scan_.clouds.find(asked.topic);
-      if (found == scan_.clouds.end())
+      if (found == scan_.clouds.end()) {
+        need_sound(asked.topic);
         refuse_option("--lidar", asked.topic, "a topic of clouds: " + names(scan_.clouds));
+      }
       const SensorTopic& topic = found->second;
       if (!topic.fields && !topic.unreadable.empty()) throw Error(ErrorKind::kInput, topic.unreadable);
       const std::string& frame = asked.frame.empty() ? topic.frame_id : asked.frame;
@@ -253,8 +265,10 @@ class Importer {
 
   void choose_cameras() {
     for (const std::string& topic : options_.cameras) {
-      if (scan_.pictures.count(topic) == 0)
+      if (scan_.pictures.count(topic) == 0) {
+        need_sound(topic);
         refuse_option("--cameras", topic, "a topic of pictures: " + names(scan_.pictures));
+      }
     }
     for (const auto& [topic, unused] : options_.lenses) {
       if (scan_.pictures.count(topic) == 0)
@@ -297,21 +311,23 @@ class Importer {
       }
       RecordedCamera recorded;
       Camera camera;
-      if (has_lens) {
-        camera = lens->second.model;
-        camera.name = name_of_topic(topic);
-        recorded.readout_s = lens->second.readout_s;
-      } else {
-        try {
+      Pose mount;
+      try {
+        mount = mount_of(topic, pictures.frame_id, true);
+        if (has_lens) {
+          camera = lens->second.model;
+          camera.name = name_of_topic(topic);
+          recorded.readout_s = lens->second.readout_s;
+        } else {
           CameraInfoMessage message = info->second;
           if (topic.find("/image_rect", folder_of(topic).size()) != std::string::npos)
             rectify(message, topic);
           camera = camera_of(message, name_of_topic(topic), file_, info->first);
-        } catch (const Error& error) {
-          if (is_asked) throw;
-          note(fmt::format("left out: {}: {}", topic, error.what()));
-          continue;
         }
+      } catch (const Error& error) {
+        if (is_asked) throw;
+        note(fmt::format("left out: {}: {}", topic, error.what()));
+        continue;
       }
       const auto shutter = options_.shutters.find(topic);
       if (shutter != options_.shutters.end()) {
@@ -324,7 +340,7 @@ class Importer {
                        topic,
                        to_string(camera.lens.kind()),
                        to_string(camera.shutter)));
-      log_.cameras.push_back({std::move(camera), mount_of(topic, pictures.frame_id, true)});
+      log_.cameras.push_back({std::move(camera), mount});
       cameras_.emplace(topic, std::move(recorded));
     }
   }

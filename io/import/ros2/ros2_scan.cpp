@@ -22,6 +22,21 @@ class Scanner {
     if (++messages_ > kMostMessages)
       throw_input_error(
           file_, "messages", "more", fmt::format("at most {} of sensors and poses", kMostMessages));
+    std::vector<TransformMessage> transforms;
+    try {
+      read(channel, data, transforms);
+    } catch (const Error& error) {
+      if (error.kind() == ErrorKind::kUsage) throw;  // of an option, not of a message
+      Damage& damage = scan.damaged[channel.topic];
+      if (damage.count++ == 0) damage.first = error.what();
+    }
+    for (const TransformMessage& transform : transforms) scan.transforms.add(transform);
+  }
+
+  Scan scan;
+
+ private:
+  void read(const BagChannel& channel, std::string_view data, std::vector<TransformMessage>& transforms) {
     if (channel.encoding != "cdr") {
       throw_input_error(
           file_, channel.topic + ": message encoding", '"' + channel.encoding + '"', "cdr: ROS 2's");
@@ -29,8 +44,7 @@ class Scanner {
     const CdrReader in = reader_of(channel, data, file_);
     const std::string& type = channel.type;
     if (type == kTfMessage) {
-      for (const TransformMessage& transform : read_transforms(in, scan.bad_transforms))
-        scan.transforms.add(transform);
+      transforms = read_transforms(in, scan.bad_transforms);
     } else if (type == kCameraInfo) {
       take_info(channel, read_camera_info(in));
     } else if (type == kOdometry) {
@@ -45,24 +59,19 @@ class Scanner {
     } else if (type == kPointCloud2) {
       take_cloud(channel, in);
     } else {
-      take_picture(scan.pictures[channel.topic], channel, in);
+      const Header header = read_header_of(in);
+      SensorTopic& topic = scan.pictures[channel.topic];
+      if (topic.stamps_ns.empty()) topic.unreadable = why_unreadable(channel, in);
+      take_stamp(topic, channel, header);
     }
   }
 
-  Scan scan;
-
- private:
   static void take_stamp(SensorTopic& topic, const BagChannel& channel, const Header& header) {
     if (topic.stamps_ns.empty()) {
       topic.type = channel.type;
       topic.frame_id = frame_name(header.frame_id);
     }
     topic.stamps_ns.push_back(header.stamp_ns);
-  }
-
-  static void take_picture(SensorTopic& topic, const BagChannel& channel, const CdrReader& in) {
-    if (topic.stamps_ns.empty()) topic.unreadable = why_unreadable(channel, in);
-    take_stamp(topic, channel, read_header_of(in));
   }
 
   /// A damaged message tells nothing; it is told of when it is read.
@@ -93,8 +102,9 @@ class Scanner {
   }
 
   void take_cloud(const BagChannel& channel, const CdrReader& in) {
+    const Header header = read_header_of(in);
     SensorTopic& topic = scan.clouds[channel.topic];
-    take_stamp(topic, channel, read_header_of(in));
+    take_stamp(topic, channel, header);
     const bool is_asked = std::any_of(options_.lidars.begin(),
                                       options_.lidars.end(),
                                       [&](const Ros2Lidar& lidar) { return lidar.topic == channel.topic; });

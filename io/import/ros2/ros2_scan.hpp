@@ -25,6 +25,12 @@ struct SensorTopic {
   std::optional<CloudFields> fields;                  // of these
 };
 
+/// Messages of one topic that can't be read.
+struct Damage {
+  std::size_t count = 0, of = 0;
+  std::string first;  // error
+};
+
 struct Scan {
   explicit Scan(const std::string& file) : transforms(file) {}
 
@@ -33,9 +39,10 @@ struct Scan {
   std::map<std::string, std::vector<StampedPose>> odometry;  // by topic, header.frame_id from child_frame_id
   std::map<std::string, OdometryMessage> odometry_frames;    // the first of each
   TransformTree transforms;
-  std::set<std::string> changing;  // topics of CameraInfo whose calibration does not stay
-  std::set<std::string> topics;    // all of the recording
-  std::size_t bad_transforms = 0;  // and odometry: no poses; left out
+  std::set<std::string> changing;         // topics of CameraInfo whose calibration does not stay
+  std::set<std::string> topics;           // all of the recording
+  std::size_t bad_transforms = 0;         // and odometry: no poses; left out
+  std::map<std::string, Damage> damaged;  // by topic, of which no more is read than tells what it is
 };
 
 /// A reader of one message of that channel.

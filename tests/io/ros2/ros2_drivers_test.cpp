@@ -218,7 +218,7 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
   const Scratch scratch;
   const Log log = street(scratch);
   const auto others = [](McapWriter& mcap) {
-    const auto add = [&](const char* topic, const char* type, const std::string& message) {
+    const auto add = [&](const std::string& topic, const char* type, const std::string& message) {
       mcap.add_message(mcap.add_channel({topic, type, "", "", "cdr"}), kStart_ns, message);
     };
     const double nan = std::nan("");
@@ -248,6 +248,12 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
     ros2::OdometryMessage lost{
         {kStart_ns, "odom"}, "wheels", {Eigen::Quaterniond::Identity(), {nan, 0.0, 0.0}}};
     add("/wheels", ros2::kOdometry, ros2::to_cdr(lost));
+    for (const char* type : {ros2::kPointCloud2, ros2::kImage, ros2::kCameraInfo, ros2::kTfMessage})
+      add(std::string("/broken/") + type, type, "\1\2\3\4\5");
+    none.header.frame_id = "nowhere";
+    add("/loose/image_raw", ros2::kImage, ros2::to_cdr(none));
+    zoom.width = zoom.height = 8;
+    add("/loose/camera_info", ros2::kCameraInfo, ros2::to_cdr(zoom));
   };
   record_by({drivers().front()}, log, scratch / "robot.mcap", others);
   Ros2Options options = options_for(log, scratch / "robot.mcap", scratch / "robot.log");
@@ -256,8 +262,14 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
   Ros2Report report;
   expect_same_sweeps(log, imported(options, report));
   const std::string told = fmt::format("{}", fmt::join(report.notes, "\n"));
-  for (const char* word :
-       {"3 transforms", "tag has several parents", "/radar, no --lidar", "/ptz/image_raw, /ptz"})
+  for (const char* word : {"3 transforms",
+                           "tag has several parents",
+                           "/radar, no --lidar",
+                           "/ptz/image_raw, /ptz",
+                           "left out: 1 messages of /broken/sensor_msgs/msg/PointCloud2: ",
+                           "left out: 1 messages of /broken/tf2_msgs/msg/TFMessage: ",
+                           "left out: /loose/image_raw: ",
+                           "--mount /loose/image_raw"})
     EXPECT_NE(told.find(word), std::string::npos) << word << " is missing in: " << told;
 
   // The survey tells the same, and what there is, and writes nothing.
@@ -322,7 +334,7 @@ TEST(Ros2Log, RectifiedPicturesHaveTheLensOfP) {
   ros2::CameraInfoMessage info;
   const auto import = [&](const char* output) {
     McapWriter mcap(scratch / "zed.mcap", "ros2", McapWriter::Compression::kNone);
-    const auto add = [&](const char* topic, const char* type, const std::string& message) {
+    const auto add = [&](const std::string& topic, const char* type, const std::string& message) {
       mcap.add_message(mcap.add_channel({topic, type, "", "", "cdr"}), kStart_ns, message);
     };
     const std::string pixels(48, 'x');
