@@ -12,8 +12,9 @@ namespace simuli {
 /// Reads a set of Gaussians from a PLY: SuperSplat's compressed one (io/splat/splat_file.hpp), or the
 /// standard 3DGS layout (x y z, f_dc_*, f_rest_* channel-major, opacity logit, scale_* log, rot_* w x y z),
 /// ascii or binary either endian, properties by name in any order and of any scalar type, normals, unknown
-/// properties and other elements ignored, SH degree from the count of f_rest. A LiDAR set uses
-/// the same names; a comment "simuli channels ..." that belongs to the other kind is refused. An integer
+/// properties and other elements ignored, SH degree from the count of f_rest. A property "filter_3D"
+/// (Mip-Splatting's, a length) widens and dims each particle. A LiDAR set uses the same names; a comment
+/// "simuli channels ..." that belongs to the other kind is refused. An integer
 /// property "actor" is GaussianSet::actor. Error{kInput} (file, property, vertex, found, allowed) for counts
 /// that the file's size can't hold (checked before anything is allocated), more than blanks behind it, NaN
 /// or Inf, zero quaternions, list properties, missing properties, and the 2 scales of 2D Gaussians.

@@ -223,6 +223,23 @@ void read_body(const std::string& bytes,
   }
 }
 
+/// Mip-Splatting writes the width of its 3D filter beside its particles: they are as wide as both, and fainter.
+void apply_filter(const std::string& bytes,
+                  const PlyHeader& header,
+                  const std::string& file,
+                  GaussianSet& set) {
+  const int property = header.find("filter_3D");
+  if (property < 0) return;
+  GaussianSet filter(SetKind::kCamera, 0, set.size());
+  read_body(bytes, header, {{static_cast<std::size_t>(property), kMeanRow}}, file, filter);
+  const Eigen::ArrayX3d own = (2.0 * set.log_scale().cast<double>().array()).exp();
+  const Eigen::ArrayX3d both = own.colwise() + filter.mean().col(0).cast<double>().array().square();
+  const Eigen::ArrayXd opacity =
+      (own / both).rowwise().prod().sqrt() / (1.0 + (-set.opacity_logit().cast<double>().array()).exp());
+  set.log_scale() = (0.5 * both.log()).cast<float>().matrix();
+  set.opacity_logit() = (opacity / (1.0 - opacity)).log().cast<float>().matrix();
+}
+
 }  // namespace
 
 GaussianSet read_gaussians_ply(const std::filesystem::path& file, SetKind kind) {
@@ -248,6 +265,7 @@ GaussianSet parse_gaussians_ply(const std::string& bytes, SetKind kind, const st
   GaussianSet set(kind, sh_degree, static_cast<Eigen::Index>(header.vertices));
   if (header.find(kPlyActor) >= 0) set.actor.resize(header.vertices);
   read_body(bytes, header, sources, file, set);
+  apply_filter(bytes, header, file, set);
   return set;
 }
 

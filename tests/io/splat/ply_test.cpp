@@ -148,6 +148,19 @@ TEST(Ply, OtherWritersFilesAreUnderstood) {
   EXPECT_EQ(set.mean()(1, 0), -1.5F);
 }
 
+TEST(Ply, TheFilterOfMipSplattingIsApplied) {
+  const Scratch scratch;
+  const std::string text = ascii_ply("property float filter_3D\n", "1 2 3 4 5 6 0.5 -2 -1 0 1 0 0 0 0.3\n");
+  const GaussianSet set = read_gaussians_ply(scratch.file("mip.ply", text), SetKind::kCamera);
+  double share = 1.0 / (1.0 + std::exp(-0.5));
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const double own = std::exp(static_cast<double>(i - 2)), both = std::hypot(own, 0.3);
+    EXPECT_NEAR(set.log_scale()(0, i), std::log(both), 1e-6);
+    share *= own / both;
+  }
+  EXPECT_NEAR(set.opacity_logit()(0), std::log(share / (1.0 - share)), 1e-6);
+}
+
 TEST(Ply, BothByteOrdersAndAllTypes) {
   const Scratch scratch;
   const auto file = [&](bool big) {
