@@ -133,6 +133,11 @@ TEST_F(SplatCli, ImportPlacesASplat) {
   for (const char* scene : {"red.ply", "y.scene"})
     EXPECT_EQ(simuli::read_scene(folder_ / scene).scene.camera_filter_px2, 0.3) << scene;
   EXPECT_NE(run("info y.scene").out.find("pixels widen the camera set by 0.3000 px2"), std::string::npos);
+  const std::string survey = run("import splat red.ply --survey").out;
+  EXPECT_EQ(run("import splat red.ply -o w.scene").out,
+            survey.substr(0, survey.size() - 1) + ", in w.scene\n");
+  expect_failure(
+      "import splat red.ply", kUsage, "--output: found \"\", allowed a folder to write, or --survey");
   expect_failure("import splat red.ply -o y.scene", kInput, "y.scene");
   expect_failure("import splat red.ply -o z.scene --pose 1,2,3", kUsage, "--pose: found \"1,2,3\"");
   expect_failure("import splat red.ply -o z.scene --metres-per-unit 0", kUsage, "--metres-per-unit");

@@ -108,18 +108,21 @@ Lines tell_points(const PointReport& r) {
 }
 
 struct SplatCommand {
-  std::string file, output, pose, axes = "y-down";
+  std::string file, pose, axes = "y-down";
+  std::filesystem::path output;
+  bool is_survey = false;
   SplatPlacement placement;
 };
 
 void import_splats(SplatCommand command, const Globals& globals) {
-  need_new_path(command.output);
+  need_output(command.output, command.is_survey);
+  if (!command.is_survey) need_new_path(command.output);
   if (command.axes == "y-up") command.placement.axes = SplatAxes::kYUp;
   if (command.axes == "z-up") command.placement.axes = SplatAxes::kZUp;
   if (!command.pose.empty())
     command.placement.world_from_model = parse_mounting("--pose", command.pose).rig_from_lidar();
   const SceneFile scene = scene_of_splats(command.file, command.placement);
-  write_scene(command.output, scene);
+  if (!command.is_survey) write_scene(command.output, scene);
   const Eigen::AlignedBox3d box = extent_of(scene.scene.camera);
   const Eigen::Vector3d size = box.sizes(), from = scene.scene.origin + box.min();
   if (scene.left_out > 0) std::cerr << fmt::format("left out: {}\n", broken_particles(scene.left_out));
@@ -133,8 +136,7 @@ void import_splats(SplatCommand command, const Globals& globals) {
     std::cout << json_text(out) << '\n';
   } else {
     std::cout << fmt::format(
-        "{} particles of SH degree {}, {:.2f} x {:.2f} x {:.2f} m from ({:.2f}, {:.2f}, {:.2f}) m on, in "
-        "{}\n",
+        "{} particles of SH degree {}, {:.2f} x {:.2f} x {:.2f} m from ({:.2f}, {:.2f}, {:.2f}) m on{}{}\n",
         scene.scene.camera.size(),
         scene.scene.camera.sh_degree,
         size.x(),
@@ -143,11 +145,17 @@ void import_splats(SplatCommand command, const Globals& globals) {
         from.x(),
         from.y(),
         from.z(),
-        command.output);
+        command.is_survey ? "" : ", in ",
+        command.output.string());
   }
 }
 
 }  // namespace
+
+void need_output(std::filesystem::path& output, bool is_survey) {
+  if (is_survey) output.clear();
+  if (output.empty() && !is_survey) refuse("--output", "", "a folder to write, or --survey");
+}
 
 void tell_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json) {
   if (!is_survey || !json) {
@@ -267,7 +275,7 @@ void add_import(Command app, const Globals& globals) {
   sub = import.command("splat", "a file of splats as a scene: .ply (also SuperSplat's compressed), .spz");
   sub.option("FILE", splat->file, "its LiDAR set becomes the particles' geometry, as bright as they are")
       .required();
-  sub.option("-o,--output", splat->output, "scene folder to write").required();
+  add_output(sub, splat->output, splat->is_survey, "scene");
   sub.option("--axes", splat->axes, "what is up in the file")
       .one_of({"y-down", "y-up", "z-up"})
       .with_default();

@@ -1,6 +1,7 @@
 #pragma once
 #include <charconv>
 #include <cstddef>
+#include <filesystem>
 #include <fmt/format.h>
 #include <memory>
 #include <string>
@@ -20,6 +21,15 @@ namespace simuli::cli {
 /// on stdout; JSON has them as "notes", too.
 void tell_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json);
 
+/// --output and --survey, which leaves `output` empty once `command` runs; Error{kUsage} then without either.
+inline void add_output(Command command, std::filesystem::path& output, bool& is_survey, const char* made) {
+  command.option("-o,--output", output, fmt::format("{} folder to write; required but for --survey", made));
+  command.flag("--survey",
+               is_survey,
+               "print what was recorded and what an import would take and leave out; write nothing");
+}
+void need_output(std::filesystem::path& output, bool is_survey);
+
 /// What every import has and does: `run(options, progress, report)` returns the log, or what it would be where
 /// options.output is empty; `tell(report)` says what became of what was recorded.
 template <class Report, class Options, class Run, class Tell>
@@ -29,15 +39,11 @@ void add_run(Command command,
              const Globals& globals,
              const Run& run,
              const Tell& tell) {
-  command.option("-o,--output", options->output, "log folder to write; required but for --survey");
   const auto is_survey = std::make_shared<bool>(false);
-  command.flag("--survey",
-               *is_survey,
-               "print what was recorded and what an import would take and leave out; write nothing");
+  add_output(command, options->output, *is_survey, "log");
   command.run([=, &globals] {
     Options asked = *options;
-    if (*is_survey) asked.output.clear();
-    if (asked.output.empty() && !*is_survey) refuse("--output", "", "a folder to write, or --survey");
+    need_output(asked.output, *is_survey);
     FileProgress progress(std::string("import ") + name, globals);
     Report report;
     const Log log = run(asked, progress.callback(), report);
