@@ -1,7 +1,6 @@
 #include "io/bag/bag.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <fmt/format.h>
 #include <set>
 #include <sstream>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "host/core/base/error.hpp"
+#include "io/base/ending.hpp"
 #include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
 
@@ -36,13 +36,6 @@ class BagParts : public Bag {
 bool is_before(const fs::path& a, const fs::path& b) {
   const std::string x = a.string(), y = b.string();
   return std::pair(x.size(), x) < std::pair(y.size(), y);
-}
-
-/// Case apart: cards and other systems write .MCAP.
-std::string ending_of(const fs::path& file) {
-  std::string ending = file.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending;
 }
 
 bool is_packed(const std::string& ending) {

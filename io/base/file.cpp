@@ -1,5 +1,6 @@
 #include "io/base/file.hpp"
 
+#include <cctype>
 #include <cerrno>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include <unistd.h>
 
 #include "host/core/base/error.hpp"
+#include "io/base/ending.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
 
@@ -28,6 +30,12 @@ void need_regular(const fs::path& file, mode_t mode) {
 bool is_there(const fs::path& path) {
   std::error_code failed;
   return fs::exists(fs::symlink_status(path, failed));
+}
+
+std::string ending_of(const fs::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
 }
 
 void need_regular_file(const fs::path& file) {

@@ -6,6 +6,7 @@
 
 #include "host/core/base/error.hpp"
 #include "io/archive/stored_zip.hpp"
+#include "io/base/ending.hpp"
 #include "io/base/file.hpp"
 #include "io/splat/ply.hpp"
 #include "io/splat/splat_axes.hpp"
@@ -18,7 +19,7 @@ GaussianSet read_splats(const std::filesystem::path& file, Eigen::Index* left_ou
 }
 
 GaussianSet read_splats(std::string bytes, const std::filesystem::path& file, Eigen::Index* left_out) {
-  const std::string extension = file.extension().string(), name = file.string();
+  const std::string extension = ending_of(file), name = file.string();
   if (has_other_splat_extension(file))
     throw_input_error(name, "splats", extension, ".ply (also SuperSplat's compressed), .spz or .glb");
   GaussianSet set = extension == ".spz"   ? read_spz(std::move(bytes), name)
@@ -38,17 +39,17 @@ GaussianSet read_splats(std::string bytes, const std::filesystem::path& file, Ei
 }
 
 bool has_splat_extension(const std::filesystem::path& file) {
-  const std::filesystem::path extension = file.extension();
+  const std::string extension = ending_of(file);
   return extension == ".ply" || extension == ".spz" || extension == ".glb";
 }
 
 bool has_other_splat_extension(const std::filesystem::path& file) {
-  const std::filesystem::path extension = file.extension();
+  const std::string extension = ending_of(file);
   return extension == ".splat" || extension == ".ksplat" || extension == ".sog";
 }
 
 void write_splats(const std::filesystem::path& file, const GaussianSet& set, const SplatOutput& how) {
-  const std::string extension = file.extension().string(), name = file.string();
+  const std::string extension = ending_of(file), name = file.string();
   if (how.compress && extension != ".glb") {
     throw_input_error(name, "extension", "another one with compression", ".glb with it");
   }

@@ -51,6 +51,21 @@ TEST_F(SplatCli, OtherFilesOfSplatsAreToldApart) {
                  "found a file, allowed a scene's folder, or splats: .ply, .spz, .glb");
 }
 
+TEST_F(SplatCli, EndingsInCapitalsAreTheSame) {
+  make_block("red.spz", {0.9F, 0.1F, 0.2F});
+  fs::copy(folder_ / "red.spz", folder_ / "RED.SPZ");
+  for (const char* command : {"info ", "import splat --survey "}) {
+    const Outcome done = run(std::string(command) + "RED.SPZ");
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    EXPECT_NE(done.out.find("512 particles"), std::string::npos) << done.out;
+  }
+  fs::copy(folder_ / "red.spz", folder_ / "RED.KSPLAT");
+  expect_failure("import splat RED.KSPLAT --survey", kInput, "found .ksplat, allowed .ply");
+  expect_failure("render red.spz --sensor orbit --images exr -o A.MCAP", kUsage, "for an .mcap file");
+  expect_failure("render red.spz --sensor orbit --as-log -o A.MP4", kUsage, "--as-log");
+  expect_failure("render red.spz --sensor orbit -o A.PNG", kUsage, "--output: found \"A.PNG\"");
+}
+
 TEST_F(SplatCli, ScenesAreExported) {
   make_street_scene(3);
   const auto particles = [this](const std::string& command) {

@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "host/core/base/error.hpp"
+#include "io/base/ending.hpp"
 #include "io/base/file.hpp"
 #include "io/base/inside.hpp"
 #include "io/base/regular_file.hpp"
@@ -58,7 +59,7 @@ std::optional<Eigen::Quaterniond> rotation_from(const Json& wxyz) {
 Sequence::Sequence(const fs::path& path) : file_(path.string()) {
   std::error_code ignored;
   if (!is_there(path)) throw_input_error(file_, "file", "none", "a sequence of NCore");
-  if (path.extension() == ".json") {
+  if (ending_of(path) == ".json") {
     read_json_text(read_file(path), file_, [&](JsonObject& root) {
       root.ignore_other_keys();
       (void)root.objects("component_stores", [&](JsonObject& store) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "host/core/base/error.hpp"
+#include "io/base/ending.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -40,7 +41,7 @@ std::string in_quotes(const std::string& text) {
 
 bool is_video(const fs::path& file) {
   constexpr std::array kExtensions{".mp4", ".mkv", ".webm", ".mov", ".gif"};
-  return std::find(kExtensions.begin(), kExtensions.end(), file.extension().string()) != kExtensions.end();
+  return std::find(kExtensions.begin(), kExtensions.end(), ending_of(file)) != kExtensions.end();
 }
 
 Video::Video(fs::path file, double frames_per_s) : file_(std::move(file)), frames_per_s_(frames_per_s) {
@@ -67,7 +68,7 @@ void Video::add(const Image& image) {
     width_ = image.width;
     height_ = image.height;
     // Most encoders want even sides. Players take what says nothing for BT.601 or BT.709, by its size.
-    const bool has_matrix = file_.extension() != ".gif";
+    const bool has_matrix = ending_of(file_) != ".gif";
     const std::string colours =
         has_matrix ? ",scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,setparams=range=tv:"
                      "colorspace=bt709:color_primaries=bt709:color_trc=bt709' -color_range tv "

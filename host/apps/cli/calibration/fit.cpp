@@ -13,6 +13,7 @@
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/sensors/camera.hpp"
+#include "io/base/ending.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/import/ros2/ros2_clouds.hpp"
 #include "io/log/log.hpp"
@@ -48,7 +49,7 @@ std::vector<fs::path> sweep_files(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code status;
   for (const auto& entry : fs::directory_iterator(folder, status)) {
-    if (entry.path().extension() == ".bin") files.push_back(entry.path());
+    if (ending_of(entry.path()) == ".bin") files.push_back(entry.path());
   }
   if (status) throw_input_error(folder.string(), "folder", status.message(), "a readable folder");
   if (files.empty())

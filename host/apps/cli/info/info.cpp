@@ -13,6 +13,7 @@
 #include "host/apps/cli/base/commands.hpp"
 #include "host/core/base/close_names.hpp"
 #include "host/core/base/error.hpp"
+#include "io/base/ending.hpp"
 #include "io/scene/sensor_rig.hpp"
 #include "io/scene/splat_scene.hpp"
 
@@ -108,7 +109,7 @@ void info(const InfoOptions& options, bool json) {
   std::error_code ignored;
   if ((is_splat_file(target) || has_other_splat_extension(target)) && is_there(target))
     return print_splats(target, json);
-  if (target.extension() == ".mcap" && is_there(target)) {
+  if (ending_of(target) == ".mcap" && is_there(target)) {
     throw_input_error(options.target,
                       "file",
                       "a recording",

@@ -29,6 +29,7 @@
 #include "host/core/sensors/own_time.hpp"
 #include "host/device/render/options/validate.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
+#include "io/base/ending.hpp"
 #include "io/base/file.hpp"
 #include "io/export/frame_labels.hpp"
 #include "io/export/track_labels.hpp"
@@ -122,7 +123,7 @@ OutputKind kind_of(const RenderCommand& command) {
   }
   constexpr std::array kOtherFiles{
       ".avi", ".m4v", ".mpg", ".wmv", ".png", ".jpg", ".jpeg", ".exr", ".bag", ".db3"};
-  const std::string ending = fs::path(command.output).extension().string();
+  const std::string ending = ending_of(command.output);
   if (std::find(kOtherFiles.begin(), kOtherFiles.end(), ending) != kOtherFiles.end()) {
     refuse("--output",
            command.output,

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/core/base/error.hpp"
+#include "io/base/ending.hpp"
 #include "io/base/gzip.hpp"
 
 namespace simuli::cli {
@@ -21,7 +22,7 @@ void refuse_of_bag(const char* option, const std::string& found, const char* all
 
 }  // namespace
 
-bool is_bag(const std::filesystem::path& file) { return file.extension() == ".mcap"; }
+bool is_bag(const std::filesystem::path& file) { return ending_of(file) == ".mcap"; }
 
 void need_options_of_bags(const FileOptions& options) {
   const FileOptions usual;
