@@ -55,13 +55,14 @@ struct PandasetReport {
   std::size_t boxes_by_front = 0;  // without a point inside: at the time of the front camera
 };
 
-/// Imports frames of a PandaSet sequence. The world is the rig's frame at the sequence's first pose, whichever
-/// frames are imported; the rig is the Pandar64's place, x forward. Poses are the front camera's and the
-/// published mounting of that: lidar/poses.json has none of the LiDAR. Other cameras: the least squares mean
-/// of their pictures' poses on the rig. Pictures (undistorted pinholes) are read out from top to bottom, from
-/// 25 ms before their stamp to 5 ms after it. Pandar64: on the firing grid of its table, whose spin is found
-/// from the points, and where it stands off the published mounting. PandarGT: as the rays of its points, for what it fired in vain is not recorded. A box
-/// stands at the time at which its LiDAR saw it: the median of the points inside.
+/// Imports frames of a PandaSet sequence. The world is the rig's frame at the sequence's first pose,
+/// whichever frames are imported; the rig is the Pandar64's place, x forward. Poses are the front camera's
+/// and the published mounting of that: lidar/poses.json has none of the LiDAR. Other cameras: the least
+/// squares mean of their pictures' poses on the rig. Pictures (undistorted pinholes) are read out from top to
+/// bottom, from 25 ms before their stamp to 5 ms after it. Pandar64: on the firing grid of its table, whose
+/// spin is found from the points, and where it stands off the published mounting. PandarGT: as the rays of
+/// its points, for what it fired in vain is not recorded. A box stands at the time at which its LiDAR saw it:
+/// the median of the points inside.
 /// Files that are not there are gaps. Error{kInput} naming file and field for anything else that does not
 /// fit, and for more than 5 % of the Pandar64's points on no ray; Error{kUsage} for sensors that it has not.
 Log import_pandaset(const PandasetOptions& options,

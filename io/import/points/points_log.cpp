@@ -274,15 +274,13 @@ Log import_points(const PointsOptions& options,
       put_picture(log, from, image.file, log.camera(image.camera).model, source.string());
       step();
     }
-    for (const LogMask& mask : log.masks) {
-      const std::string bytes = read_file(options.folder / mask.file);
-      put_file(log, mask.file, [&](const fs::path& to) { write_file_atomically(to, bytes); });
-    }
-    if (!log.points.empty()) {
-      const fs::path from = options.folder / log.points;
-      log.points = "points.ply";
-      put_file(log, log.points, [&](const fs::path& to) { write_file_atomically(to, read_file(from)); });
-    }
+    const auto bring = [&](const std::string& file, const std::string& name) {
+      put_file(log, name, [&](const fs::path& to) {
+        write_file_atomically(to, read_file(options.folder / file));
+      });
+    };
+    for (const LogMask& mask : log.masks) bring(mask.file, mask.file);
+    if (!log.points.empty()) bring(std::exchange(log.points, "points.ply"), "points.ply");
   });
 }
 

@@ -22,11 +22,11 @@ constexpr double kCap_rad = 0.5 * kDegree;          // what is farther off is on
 constexpr std::size_t kPoints = 2000;
 
 // Of mountings.
-constexpr double kAlone =
-    3.0;                   // times the usual gap to the next row, from which on no other one can be meant
-constexpr int kSteps = 6;  // of Gauss and Newton, each with rows chosen again
-constexpr double kSharp_rad = 0.02 * kDegree;                  // scale of the robust weights
-constexpr double kTurned_rad = 1.0 * kDegree, kMoved_m = 0.1;  // standard deviations before points say more
+constexpr double kAlone = 3.0;  // times the usual gap to the next row: no other one can be meant
+constexpr int kSteps = 6;       // of Gauss and Newton, each with rows chosen again
+constexpr double kSharp_rad = 0.02 * kDegree;  // scale of the robust weights
+// Standard deviations before points say more.
+constexpr double kTurned_rad = 1.0 * kDegree, kMoved_m = 0.1;
 
 /// How far points are from the cones of the rows nearest to them, and the step that brings them nearer.
 struct RowStep {

@@ -16,8 +16,8 @@ namespace simuli {
 /// How a unit stands, by its points.
 struct UnitMounting {
   Pose table_from_sensor;  // turned about x and y, and moved
-  double before_rad = 0.0,
-         left_rad = 0.0;  // mean distance of points from their rows' cones, without and with it
+  // Mean distance of points from their rows' cones, without and with it.
+  double before_rad = 0.0, left_rad = 0.0;
 };
 
 /// Of a LiDAR whose frame others measured: by where points (m, in that frame) lie. The identity where that explains
