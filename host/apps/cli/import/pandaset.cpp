@@ -35,8 +35,7 @@ std::vector<std::string> tell_pandaset(const PandasetReport& r) {
     const Pose& off = r.mounting.table_from_sensor;
     lines.push_back(
         fmt::format("pandar64: {:.1f} cm and {:.3f} degrees off the published mounting; its points lie "
-                    "{:.3f} degrees off "
-                    "its rows, {:.3f} before",
+                    "{:.3f} degrees off its rows, {:.3f} before",
                     100.0 * off.translation.norm(),
                     off.rotation.angularDistance(Eigen::Quaterniond::Identity()) / kDegree,
                     r.mounting.left_rad / kDegree,
