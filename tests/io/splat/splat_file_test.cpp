@@ -109,6 +109,10 @@ TEST(Spz, TakesNoMoreMemoryThanItsSizeAllows) {
   constexpr std::size_t kZeros = std::size_t{64} << 20U;
   expect_input_error([&] { (void)read_spz(gzip(small_spz(2) + std::string(kZeros, '\0')), "b.spz"); },
                      {"b.spz", "more than", "bytes"});
+  std::string equal = small_spz(2).substr(0, 16);
+  equal[10] = 0x20;  // two million: 38 MiB in 38 KiB
+  equal.resize(16 + 19 * 0x200001, '\0');
+  expect_input_error([&] { (void)read_spz(gzip(equal), "e.spz"); }, {"e.spz", "points", "2097153"});
   if (!has_zstd()) GTEST_SKIP() << "no Zstandard";
   for (const std::uint64_t points : {std::uint64_t{0xffffffff}, std::uint64_t{150'000'000}}) {
     std::string v4 = small_spz(2).substr(0, 16), streams;
@@ -122,8 +126,10 @@ TEST(Spz, TakesNoMoreMemoryThanItsSizeAllows) {
       append_little_endian(v4, bytes_each * points, 8);
       streams += std::string(12, '\0');
     }
-    expect_input_error([&] { (void)read_spz(v4 + streams, "c.spz"); }, {"c.spz", "Zstandard data"});
+    expect_input_error([&] { (void)read_spz(v4 + streams, "c.spz"); }, {"c.spz", "points"});
   }
+  expect_input_error([] { (void)unzstd("twelve bytes", 12, std::size_t{1} << 50U, "d.spz"); },
+                     {"d.spz", "Zstandard data"});
 }
 
 TEST(Spz, RefusesWhatIsNotWhole) {
