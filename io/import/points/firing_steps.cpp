@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <iterator>
+#include <map>
+#include <set>
 
 #include "host/core/base/angles.hpp"
 
@@ -45,6 +48,16 @@ struct Pattern {
   int first = 0;
 };
 
+/// By how many columns most neighbours are apart.
+long most_apart(const std::vector<double>& columns) {
+  std::set<long> at;
+  for (const double column : columns) at.insert(std::lround(column));
+  std::map<long, int> steps{{1, 0}};
+  for (auto it = std::next(at.begin()); it != at.end(); ++it) ++steps[*it - *std::prev(it)];
+  const auto is_rarer = [](const auto& a, const auto& b) { return a.second < b.second; };
+  return std::max_element(steps.begin(), steps.end(), is_rarer)->first;
+}
+
 /// Of a row by the columns of its points.
 Pattern pattern_of(const std::vector<double>& columns) {
   constexpr double kOnGrid = 0.8;
@@ -53,6 +66,7 @@ Pattern pattern_of(const std::vector<double>& columns) {
     std::complex<double> phase;
     for (const double column : columns) phase += std::polar(1.0, kTurn * column / every);
     if (std::abs(phase) < kOnGrid * static_cast<double>(columns.size())) continue;
+    if (most_apart(columns) > every) return {};  // thinned, by what is no pattern of the sensor
     const int first = static_cast<int>(std::lround(std::arg(phase) / kTurn * every));
     return {every, (first + every) % every};
   }

@@ -24,6 +24,7 @@ struct Drive {
   bool has_times = true;
   double sector = 1.0;  // of a turn
   int every = 1;        // firing
+  int together = 1;     // of these
   double gaps = 0.2;    // share of rays without a return, in stretches
   double jitter = 0.0;  // of a point's azimuth and time, of a column
   bool has_rings = true;
@@ -35,7 +36,8 @@ Sweeps sweeps_of(const Drive& drive) {
   std::uniform_real_distribution<double> uniform(-0.5, 0.5);
   Sweeps sweeps(2);
   for (auto& sweep : sweeps) {
-    for (int c = 0; c < drive.sector * lidar.columns; c += drive.every) {
+    for (int c = 0; c < drive.sector * lidar.columns; ++c) {
+      if (c % drive.every >= drive.together) continue;
       for (int r = 0; r < lidar.row_count(); ++r) {
         if (!fires(lidar, static_cast<std::size_t>(r * lidar.columns + c))) continue;
         if (std::sin(0.02 * (c + 31 * r)) > 1.0 - 2.0 * drive.gaps) continue;
@@ -208,6 +210,13 @@ TEST(Ros2Turn, RowsThatFireLessOftenAreFound) {
   Drive thinned{builtin_lidar("hesai_xt16")};
   thinned.every = 8;
   for (const LidarRow& row : found("hesai_xt16", thinned, 0.1).model.rows) EXPECT_EQ(row.every, 1);
+  // Nor is one of which it left two columns of sixteen.
+  Drive pairs{builtin_lidar("hesai_ot128")};
+  pairs.every = 16;
+  pairs.together = 2;
+  const ros2::RecordedLidar kept = found("hesai_ot128", pairs, 0.1);
+  for (std::size_t r = 0; r < kept.model.rows.size(); ++r)
+    EXPECT_EQ(kept.model.rows[r].every, pairs.lidar.rows[r].every) << r;
 }
 
 TEST(Ros2Turn, AnotherUnitIsTaken) {
