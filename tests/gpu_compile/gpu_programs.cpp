@@ -164,7 +164,8 @@ std::vector<GpuProgram> gpu_programs() {
   }
   for (const EmbeddedFile& file : embedded_files()) {
     const std::string path(file.path);
-    if (path.rfind("kernels/", 0) != 0 || list.has(path)) continue;
+    const bool is_of_cpus = path == "kernels/render_bwd_lanes.cl";
+    if (path.rfind("kernels/", 0) != 0 || is_of_cpus || list.has(path)) continue;
     for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
       BuildOptions options;
       options.real(precision)
