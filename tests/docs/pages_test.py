@@ -21,7 +21,7 @@ from pages import commands_of  # noqa: E402
 INPUT_ERROR = 3
 SMALL = "--image-width 64 --image-height 36 --lidar-columns 90"
 ABSENT = ("2011_09_26", "pandaset/002", "raw.log")
-STAND_FOR = {"image_02": "front", "velodyne": "top", "car_0": "car", "moving_0": "car"}
+STAND_FOR = {"image_02": "front", "held-out-sensor left": "held-out-sensor top", "velodyne": "top", "car_0": "car", "moving_0": "car"}
 
 
 def run(command, allowed=0):

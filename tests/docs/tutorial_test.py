@@ -20,6 +20,7 @@ page = source / "docs/TUTORIAL.md"
 sys.path.insert(0, str(source / "docs"))
 from pages import commands_of  # noqa: E402
 
+NOT_DETERMINED = 6
 SMALL = "--frames 14 --image-width 96 --image-height 54 --lidar-columns 300"
 took = []
 
@@ -39,12 +40,12 @@ def processor_s():
 
 
 def run(command, environment=None):
-    """What it prints."""
+    """What it prints. A mounting that halves of the drive do not agree on is refused, as the page says."""
     print("+", command, flush=True)
     began, used = time.monotonic(), processor_s()
     done = subprocess.run(command, shell=True, cwd=work, env=environment, capture_output=True, text=True)
     took.append((time.monotonic() - began, processor_s() - used, command))
-    if done.returncode != 0:
+    if done.returncode not in ((0, NOT_DETERMINED) if "align" in command and "--camera" in command else (0,)):
         sys.exit(f"{page.name}: {command}\nends with {done.returncode}: {done.stderr.strip()}")
     return done.stdout
 

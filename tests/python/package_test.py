@@ -39,7 +39,8 @@ for package in how["wheel"]["packages"]:
                     ignore=shutil.ignore_patterns("__pycache__"))
 held = {re.sub(r"\.cpython[^/]*\.so|\.so[.\d]*$", ".so", str(file.relative_to(wheel))) for file in wheel.rglob("*") if file.is_file()}
 needed = {"simuli/__init__.py", "simuli/__init__.pyi", "simuli/__main__.py", "simuli/gym.py", "simuli/program.py",
-          "simuli/torch.py", "simuli/py.typed", "simuli/_simuli.so", "simuli/bin/simuli"}
+          "simuli/torch.py", "simuli/py.typed", "simuli/_simuli.so", "simuli/bin/simuli",
+          *(f"simuli/proto/{file.name}" for file in (source / "host/apps/serve/proto").glob("*.proto"))}
 libraries = {"simuli/lib/libsimuli.so", "simuli/lib/libsimuli_pictures.so"}  # of builds that have them
 assert needed <= held <= needed | libraries, (held - needed - libraries, needed - held)
 command, entry = project["project"]["scripts"]["simuli"].split(":")
