@@ -43,16 +43,22 @@ struct Blending {
   uint meets[NR];  // instances of the batch, a bit each
 };
 
-/// of[j], chosen among registers.
+/// of[j], chosen among registers: read before it is asked for, as compilers make of[k], where k is j, a variable index.
 FN F pick(const F* of, int j) {
   F one = of[0];
 #pragma unroll
-  for (int k = 1; k < NR; ++k) one = k == j ? of[k] : one;
+  for (int k = 1; k < NR; ++k) {
+    const F other = of[k];
+    one = k == j ? other : one;
+  }
   return one;
 }
 FN void put_back(F* of, int j, F value) {
 #pragma unroll
-  for (int k = 0; k < NR; ++k) of[k] = k == j ? value : of[k];
+  for (int k = 0; k < NR; ++k) {
+    const F was = of[k];
+    of[k] = k == j ? value : was;
+  }
 }
 
 /// met[SIM_WORDS]: a bit per work-item. Rows before this work-item's of the instance's.
@@ -279,20 +285,22 @@ __kernel SIM_GROUP void render_bwd(const FrameParams frame,
   uint place = 0;
   for (; place < places; place += SIM_BATCH) {
     const uint count = min((uint)SIM_BATCH, places - place);
+    barrier(CLK_LOCAL_MEM_FENCE);
     stage_batch(&tile, &map, place, count, &batch);
     barrier(CLK_LOCAL_MEM_FENCE);
     find_met(&tile, &arrays, place, count, &b, &batch);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (!batch.alive) break;
     count_rows(tile.lid, count, &batch);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    const uint all_rows = batch.row_first[count];
-    uint begun = SIM_BATCH;
+    uint begun = SIM_BATCH, all_rows = 0;
     for (uint done = 0; done == 0 || done < all_rows; done += SIM_BATCH_ROWS) {
+      // Before what loops as long as a work-item likes, not behind it: compilers make one loop of two that begin at the
+      // same place, and NVIDIA's then lets a part of a warp through the barrier below while the rest still fills rows.
+      barrier(CLK_LOCAL_MEM_FENCE);
+      all_rows = batch.row_first[count];
       fill_rows(&tile, &arrays, place, done, &begun, &b, &batch);
       barrier(CLK_LOCAL_MEM_FENCE);
       add_rows_up(tile.lid, count, done, &batch, grads, instance_error);
-      barrier(CLK_LOCAL_MEM_FENCE);
     }
   }
   clear_slots(&map, payload, tile.begin + place, tile.end, grads, instance_error);
