@@ -88,5 +88,11 @@ void expect_drop_logits(const RayResults& results, const View& view, SetKind kin
     GTEST_SKIP() << "not run: comparisons in double precision, the device has no fp64"; \
   }                                                                                     \
   static_assert(true)
+/// GPUs have memory of a work-item's own for all that may run: not for windows and lists of 16 rays each.
+#define SIMULI_NEEDS_WINDOWS(device, shape)                                         \
+  if (!(device).info().is_cpu && (shape).lanes > 1) {                               \
+    GTEST_SKIP() << "not run: windows of vectors, which no GPU has the memory for"; \
+  }                                                                                 \
+  static_assert(true)
 
 }  // namespace simuli::test

@@ -96,6 +96,7 @@ TEST_P(GradientByRay, OfOpacitiesAndColoursMatchesDifferences) {
   const SceneCase& scene = GetParam().scene;
   const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
+  SIMULI_NEEDS_WINDOWS(device, GetParam().shape);
   const GaussianSet set = crowd(scene);
   const test::Shot shot = shot_for(scene);
   Problem problem(device, shot, set, options(Precision::kDouble));
@@ -123,6 +124,7 @@ TEST_P(GradientByRay, OfFloatsIsThatOfDoubles) {
   const SceneCase& scene = GetParam().scene;
   const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
+  SIMULI_NEEDS_WINDOWS(device, GetParam().shape);
   Problem in_double(device, shot_for(scene), crowd(scene), options(Precision::kDouble));
   Problem in_float(device, shot_for(scene), crowd(scene), options(Precision::kFloat));
   const std::vector<double> found = all_of(in_float, scene.sh_degree, kCount);

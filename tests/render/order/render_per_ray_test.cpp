@@ -54,6 +54,7 @@ TEST_P(PerRay, MatchesTheReference) {
   const auto& [scene, precision, shape, direction] = GetParam();
   const Device& device = test::device();
   if (precision == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
+  SIMULI_NEEDS_WINDOWS(device, shape);
   const GaussianSet set = crowd(scene);
   test::Shot shot = shot_for(scene);
   shot.view.drop = test::some_ray_drop(3);

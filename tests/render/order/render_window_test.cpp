@@ -93,6 +93,7 @@ class Window : public testing::TestWithParam<WindowCase> {
  protected:
   void SetUp() override {
     if (GetParam().precision == Precision::kDouble) SIMULI_NEEDS_DOUBLE(test::device());
+    SIMULI_NEEDS_WINDOWS(test::device(), GetParam().shape);
   }
   [[nodiscard]] static RenderOptions options_of_case(Order order, int window) {
     RenderOptions options = options_with(order, window);
