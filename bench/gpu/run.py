@@ -9,7 +9,7 @@ FOLDER  page.md, page.json and each program's output; default: gpu_page
 Parts, in their order; one that fails is told on the page and does not keep the others from being run, and the page is written anew after
 each, so that a run that is cut off leaves what it has:
   check      simuli devices --check: a known scene in float and double
-  tests      the tests that run kernels, on this device
+  tests      the tests that run kernels, on this device: in shards, as many at once as the processor has threads
   stages     simuli bench --stages, beside what bench/gpu/model.py predicted for cards that it knows
   pictures   simuli bench --agreement: every ray against the processor's driver, where there is one
   training   simuli bench --training: an iteration by stage, memory
@@ -21,6 +21,7 @@ each, so that a run that is cut off leaves what it has:
 Drivers that no .icd file names are looked for in the folders where vendors put them. Exit code 1 when anything failed.
 """
 import argparse
+import concurrent.futures
 import json
 import os
 import pathlib
@@ -36,7 +37,7 @@ import icd  # noqa: E402
 import model  # noqa: E402
 
 PARTS = ("check", "tests", "stages", "pictures", "training", "street", "trade", "peers")
-TESTS = ("simuli_runtime_tests", "simuli_cl_tests", "simuli_render_tests", "simuli_scene_tests")
+TESTS = ("simuli_runtime_tests", "simuli_cl_tests", "simuli_render_tests", "simuli_scene_tests", "simuli_optim_tests")
 
 
 def markdown(columns, rows):
@@ -118,27 +119,37 @@ class Bench:
             self.page.fail("check", self.driver.failures.pop())
         return devices, markdown(("device", "check"), [(d["name"], d.get("check", "not usable")) for d in devices])
 
+    def shard(self, program, index, count):
+        """(exit code, seconds, what it prints) of a share of a program's tests; most of the time drivers compile."""
+        out = self.driver.work / f"{program}.{index}.out"
+        env = dict(self.driver.env, GTEST_TOTAL_SHARDS=str(count), GTEST_SHARD_INDEX=str(index))
+        begin = time.monotonic()
+        with open(out, "w") as file:
+            try:
+                code = subprocess.run([str(self.driver.bin / program)], env=env, stdout=file, stderr=subprocess.STDOUT, check=False,
+                                      timeout=self.arguments.limit).returncode
+            except subprocess.TimeoutExpired:
+                code = 124
+        return code, time.monotonic() - begin, out.read_text(errors="replace")
+
     def tests(self):
         table, data = [], {}
-        for program in TESTS:
-            report = self.driver.work / f"{program}.json"
-            report.unlink(missing_ok=True)
-            begin = time.monotonic()
-            code, _ = self.driver.run(program, f"--gtest_output=json:{report}")
-            seconds = time.monotonic() - begin
-            cases = [t for s in json.loads(report.read_text())["testsuites"] for t in s["testsuite"]] if report.exists() else []
-            failed = [f"{t['classname']}.{t['name']}" for t in cases if t.get("failures")]
-            passed = sum(t["result"] == "COMPLETED" and not t.get("failures") for t in cases)
-            skipped = sum(t["result"] == "SKIPPED" for t in cases)
-            data[program] = {"passed": passed, "failed": failed, "skipped": skipped, "exit_code": code}
-            table.append((program, passed, len(failed) if report.exists() else "ended early", skipped, f"{seconds:.0f}"))
-            for name in failed:
-                self.page.fail("tests", f"{program}: {name}")
-            if code != 0:
-                reason = self.driver.failures.pop()
-                if not failed:
-                    self.page.fail("tests", reason)
-        return data, markdown(("program", "passed", "failed", "skipped", "seconds"), table)
+        count = max(1, (os.cpu_count() or 1) // len(TESTS))
+        with concurrent.futures.ThreadPoolExecutor(len(TESTS) * count) as pool:
+            jobs = {program: [pool.submit(self.shard, program, i, count) for i in range(count)] for program in TESTS}
+        for program, of_program in jobs.items():
+            shards = [job.result() for job in of_program]
+            ended = {end: [name for *_, text in shards for name in re.findall(rf"^\[ *{end} *\] (\S+?),? .*\(\d+ ms\)$", text, re.M)]
+                     for end in ("OK", "FAILED", "SKIPPED")}
+            # Neither all passed (0) nor some failed (1): what was begun last did not end.
+            cut = [f"exit code {code} in {(re.findall(r'^. RUN      . (.+)', text, re.M) or ['its start'])[-1]}"
+                   for code, _, text in shards if code not in (0, 1)]
+            data[program] = {"passed": len(ended["OK"]), "failed": ended["FAILED"], "skipped": len(ended["SKIPPED"]), "cut": cut}
+            table.append((program, len(ended["OK"]), len(ended["FAILED"]), len(ended["SKIPPED"]), len(cut),
+                          f"{max(seconds for _, seconds, _ in shards):.0f}"))
+            for what in (*ended["FAILED"], *cut):
+                self.page.fail("tests", f"{program}: {what}")
+        return data, markdown(("program", "passed", "failed", "skipped", "shards cut", "seconds"), table)
 
     def stages(self):
         rows = self.rows("--stages", "--frames", str(self.arguments.frames))
