@@ -62,12 +62,15 @@ std::string free_name(const std::vector<Actor>& actors, std::size_t& number) {
 
 }  // namespace
 
-CompletedActors complete_actors(std::vector<Actor> labelled, const std::vector<Actor>& found) {
+CompletedActors complete_actors(std::vector<Actor> labelled, const FoundActors& found) {
+  std::erase_if(labelled, [&](const Actor& label) {
+    return std::find(found.standing.begin(), found.standing.end(), label.name) != found.standing.end();
+  });
   CompletedActors out;
   out.actors = labelled;
   std::vector<bool> is_continued(labelled.size(), false);
   std::size_t number = 0;
-  for (const Actor& actor : found) {
+  for (const Actor& actor : found.actors) {
     const std::vector<LabelOfFound> labels = labels_of(actor, labelled);
     if (labels.empty()) {
       out.actors.push_back(actor);

@@ -41,6 +41,7 @@ class Search {
     for (const std::vector<Motion>& of_sweep : motion_)
       out_.report.moving_returns +=
           static_cast<std::size_t>(std::count(of_sweep.begin(), of_sweep.end(), Motion::kMoves));
+    for (const Actor& label : log_.actors) judge(label);
     std::vector<std::vector<MovingCluster>> clusters = moving_clusters(series_, motion_);
     find_velocities(series_, clusters);
     const std::vector<ClusterChain> chains = chains_of(series_, clusters);
@@ -57,6 +58,14 @@ class Search {
  private:
   void follow(const ClusterChain& chain);
   [[nodiscard]] bool is_taken(const ClusterChain& chain) const;
+  /// What sweeps say of a body where its track has it.
+  struct Evidence {
+    bool tells = false;    // sweeps and returns are enough
+    double moving = 0.0;   // share of them that moved
+    double through = 0.0;  // share of the votes that look through them
+  };
+  [[nodiscard]] Evidence evidence(const BodyTrack& track) const;
+  void judge(const Actor& label);
   [[nodiscard]] bool is_body(const BodyTrack& track) const;
   [[nodiscard]] bool is_cut_above(const BodyTrack& track) const;
   void take(const BodyTrack& track);
@@ -104,14 +113,11 @@ void Search::follow(const ClusterChain& chain) {
   out_.actors.push_back(finished(std::move(track)));
 }
 
-bool Search::is_body(const BodyTrack& track) const {
-  const std::vector<KeyPose>& keys = track.actor.track;
-  if (keys.size() < static_cast<std::size_t>(options_.min_sweeps)) return false;
-  if (track.actor.travel_m() < kLeastFoundTravel_m) return false;
-  if ((track.box.sizes().array() < kLeastSize_m.array()).any()) return false;
+Search::Evidence Search::evidence(const BodyTrack& track) const {
   const std::vector<BodyReturn> returns = all_returns(series_, track, track.box, taken_);
-  if (static_cast<double>(returns.size()) < kLeastReturnsOfABody * static_cast<double>(keys.size()))
-    return false;
+  if (track.keys() < static_cast<std::size_t>(options_.min_sweeps) ||
+      static_cast<double>(returns.size()) < kLeastReturnsOfABody * static_cast<double>(track.keys()))
+    return {};
   std::size_t moving = 0;
   PointSet points;
   points.position.resize(3, static_cast<Eigen::Index>(returns.size()));
@@ -120,13 +126,36 @@ bool Search::is_body(const BodyTrack& track) const {
     moving += motion_[track.sweeps[returns[i].key]][returns[i].point] == Motion::kMoves ? 1U : 0U;
     points.position.col(static_cast<Eigen::Index>(i)) = returns[i].p_body.cast<float>();
   }
-  if (static_cast<double>(moving) < kLeastMovingShare * static_cast<double>(returns.size())) return false;
   double through = 0.0, there = 0.0;
   for (const PointVotes& v : votes_along(series_, track, points, kSweepsOfAVote)) {
     through += v.through;
     there += v.there;
   }
-  return through <= kMostThroughABody * (through + there);
+  return {
+      true, static_cast<double>(moving) / static_cast<double>(returns.size()), through / (through + there)};
+}
+
+bool Search::is_body(const BodyTrack& track) const {
+  if (track.actor.travel_m() < kLeastFoundTravel_m) return false;
+  if ((track.box.sizes().array() < kLeastSize_m.array()).any()) return false;
+  const Evidence found = evidence(track);
+  return found.tells && found.moving >= kLeastMovingShare && found.through <= kMostThroughABody;
+}
+
+void Search::judge(const Actor& label) {
+  if (label.travel_m() < kLeastFoundTravel_m) return;
+  BodyTrack track;
+  track.box = Eigen::AlignedBox3d(-0.5 * label.size_m, 0.5 * label.size_m);
+  for (std::size_t i = 0; i < series_.sweeps.size(); ++i) {
+    const double time_s = series_.sweeps[i].middle_s();
+    if (!label.is_there(time_s)) continue;
+    track.sweeps.push_back(i);
+    track.actor.track.push_back({time_s, label.at(time_s)});
+    track.actor.track.back().world_from_actor.translation -= series_.scene_origin;
+  }
+  const Evidence found = evidence(track);
+  if (found.tells && found.moving < kLeastMovingShare && found.through > kMostThroughABody)
+    out_.standing.push_back(label.name);
 }
 
 /// Whether the body was always higher than the laser looks.

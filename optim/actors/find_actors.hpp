@@ -1,5 +1,6 @@
 #pragma once
 // Moving things of a log that has no boxes, found from its LiDAR alone.
+#include <string>
 #include <vector>
 
 #include "host/core/scene/actor.hpp"
@@ -11,6 +12,9 @@ namespace simuli {
 
 struct FoundActors {
   std::vector<Actor> actors;  // by the time they are first seen
+  /// Names of the log's labels that drive through what stands: hardly anything in them moved, and where they say
+  /// that it went sweeps look through it.
+  std::vector<std::string> standing;
   FindReport report;
 };
 

@@ -95,6 +95,8 @@ std::string text_of(const FoundActors& found) {
                       r.moving_returns,
                       r.moving_on_actors,
                       r.chains);
+  for (const std::string& name : found.standing)
+    text += fmt::format("  {}: what is in this label stands while it drives\n", name);
   return text;
 }
 
@@ -134,7 +136,7 @@ void actors(const ActorsCommand& command, const Globals& globals) {
   const FoundActors found =
       find_actors(with_blind_arcs(log, command.frames), command.frames, command.options);
   std::optional<CompletedActors> completed;
-  if (command.keeps_labels) completed = complete_actors(std::move(log.actors), found.actors);
+  if (command.keeps_labels) completed = complete_actors(std::move(log.actors), found);
   if (!command.output.empty()) {
     log.actors = completed ? completed->actors : found.actors;
     copy_log(log, command.output);
@@ -148,6 +150,7 @@ void actors(const ActorsCommand& command, const Globals& globals) {
                  {"returns_on_actors", found.report.returns_on_actors},
                  {"chains", found.report.chains},
                  {"seconds", found.report.seconds},
+                 {"standing_labels", found.standing},
                  {"actors", Json::array()}};
     for (const Actor& actor : found.actors) json["actors"].push_back(json_of(actor));
     if (comparison) {

@@ -26,7 +26,7 @@ const Vector3d kOff_m(-0.3, 0.1, -0.05);
 
 TEST(CompleteActors, ALabelGoesOnBeforeAndAfterWithoutTheOffset) {
   const CompletedActors c =
-      complete_actors({driving("car_0", 5, 12)}, {driving("moving_0", 0, 20, kOff_m, 0.02)});
+      complete_actors({driving("car_0", 5, 12)}, {{driving("moving_0", 0, 20, kOff_m, 0.02)}, {}, {}});
   ASSERT_EQ(c.actors.size(), 1U);
   EXPECT_EQ(c.added, 0U);
   EXPECT_EQ(c.continued, 1U);
@@ -47,8 +47,9 @@ TEST(CompleteActors, ALabelGoesOnBeforeAndAfterWithoutTheOffset) {
 
 TEST(CompleteActors, WhatHasNoLabelIsAddedUnderAFreeName) {
   const Vector3d beside(0.0, -6.0, 0.0);
-  const CompletedActors c = complete_actors({driving("moving_0", 0, 20)},
-                                            {driving("moving_0", 0, 20, beside), driving("moving_1", 0, 20)});
+  const CompletedActors c =
+      complete_actors({driving("moving_0", 0, 20)},
+                      {{driving("moving_0", 0, 20, beside), driving("moving_1", 0, 20)}, {}, {}});
   ASSERT_EQ(c.actors.size(), 2U);
   EXPECT_EQ(c.added, 1U);
   EXPECT_EQ(c.continued, 0U);
@@ -59,7 +60,7 @@ TEST(CompleteActors, WhatHasNoLabelIsAddedUnderAFreeName) {
 
 TEST(CompleteActors, WithoutLabelsItIsWhatWasFound) {
   const CompletedActors c =
-      complete_actors({}, {driving("moving_0", 0, 9), driving("moving_1", 0, 9, {0, 9, 0})});
+      complete_actors({}, {{driving("moving_0", 0, 9), driving("moving_1", 0, 9, {0, 9, 0})}, {}, {}});
   ASSERT_EQ(c.actors.size(), 2U);
   EXPECT_EQ(c.added, 2U);
   EXPECT_EQ(c.actors[1].name, "moving_1");
@@ -67,7 +68,7 @@ TEST(CompleteActors, WithoutLabelsItIsWhatWasFound) {
 
 TEST(CompleteActors, OfTwoLabelsOfOneTheNextInTimeGoesOn) {
   const CompletedActors c = complete_actors({driving("car_0", 0, 6), driving("car_1", 14, 20)},
-                                            {driving("moving_0", 0, 24, kOff_m)});
+                                            {{driving("moving_0", 0, 24, kOff_m)}, {}, {}});
   ASSERT_EQ(c.actors.size(), 2U);
   EXPECT_EQ(c.continued, 2U);
   EXPECT_EQ(c.actors[0].track.size() + c.actors[1].track.size(), 25U);
@@ -77,9 +78,11 @@ TEST(CompleteActors, OfTwoLabelsOfOneTheNextInTimeGoesOn) {
     EXPECT_NEAR(c.actors[1].track[k].world_from_actor.translation.y(), 3.0, 1e-9);
 }
 
-TEST(CompleteActors, LabelsThatNothingWasFoundOfStay) {
-  const CompletedActors c = complete_actors({driving("car_0", 0, 6)}, {});
+TEST(CompleteActors, LabelsThatNothingWasFoundOfStayButThoseThatStand) {
+  const CompletedActors c =
+      complete_actors({driving("wall", 0, 6), driving("car_0", 0, 6)}, {{}, {"wall"}, {}});
   ASSERT_EQ(c.actors.size(), 1U);
+  EXPECT_EQ(c.actors[0].name, "car_0");
   EXPECT_EQ(c.actors[0].track.size(), 7U);
 }
 

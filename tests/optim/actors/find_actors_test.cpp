@@ -122,6 +122,24 @@ TEST_F(FindActors, ALongOneIsNotCut) {
   EXPECT_LT(match.heading_rad, 2.0 * kDegree);
 }
 
+TEST_F(FindActors, ALabelThatDrivesThroughWhatStandsIsTold) {
+  MovingWorld world;
+  world.boxes = test::car(curve);
+  Log log = write(world);
+  const auto add = [&](const std::string& name, const Vector3d& size_m, double x, double y) {
+    log.actors.push_back(test::label_of(
+        size_m, [&](double time_s) { return on_road(x + world.speed_m_per_s * time_s, y, 0.0); }, 2.4));
+    log.actors.back().name = name;
+  };
+  add("wide", {60.0, 20.0, 4.0}, 30.0, 12.0);
+  add("parked", {20.0, 3.0, 3.0}, 15.0, -5.0);
+  add("nothing", {4.0, 2.0, 1.5}, 8.0, 0.0);
+  log.actors.push_back(test::label_of(kCar_m, curve, 2.4));
+  const FoundActors found = find_actors(log, kAllFrames, {});
+  EXPECT_EQ(found.standing, (std::vector<std::string>{"wide", "parked"}));
+  EXPECT_EQ(found.actors.size(), 1U);
+}
+
 TEST_F(FindActors, WhatStandsIsNeverFound) {
   const FoundActors found = find_actors(write({.boxes = {}, .speed_m_per_s = 9.0}), kAllFrames, {});
   EXPECT_TRUE(found.actors.empty());

@@ -54,6 +54,10 @@ TEST_F(ATrainingsActors, TrainingMendsLabelsThatCannotBe) {
     key.world_from_actor.translation.z() += 0.8;
   }
   off.actors.push_back(ego);
+  for (KeyPose& key : ego.track) key.world_from_actor.translation += Vector3d(30.0, 12.0, 1.2);
+  ego.name = "wide";
+  ego.size_m = {60.0, 20.0, 4.0};
+  off.actors.push_back(ego);
   TrainingOptions options;
   options.init = small(true);
   options.frames.image_scale = 1.0;
@@ -64,7 +68,7 @@ TEST_F(ATrainingsActors, TrainingMendsLabelsThatCannotBe) {
     EXPECT_EQ(training.report().labels.size(), said);
     return training.scene();
   };
-  const Scene right = start_of(log_, 0), mended = start_of(off, 2);
+  const Scene right = start_of(log_, 0), mended = start_of(off, 3);
   ASSERT_EQ(mended.actors.size(), 1U);
   EXPECT_EQ(mended.lidar.actor, right.lidar.actor);
   EXPECT_EQ(mended.camera.size(), right.camera.size());
