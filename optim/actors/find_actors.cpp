@@ -131,8 +131,10 @@ Search::Evidence Search::evidence(const BodyTrack& track) const {
     through += v.through;
     there += v.there;
   }
-  return {
-      true, static_cast<double>(moving) / static_cast<double>(returns.size()), through / (through + there)};
+  const double votes = through + there;
+  return {true,
+          static_cast<double>(moving) / static_cast<double>(returns.size()),
+          votes > 0.0 ? through / votes : 0.0};
 }
 
 bool Search::is_body(const BodyTrack& track) const {
