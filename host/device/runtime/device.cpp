@@ -108,8 +108,9 @@ Quirks quirks_of(const DeviceInfo& info) {
   // no llvm.prefetch); a GPU's shape runs.
   quirks.prefers_explicit_vectors = info.is_cpu && platform.find("rusticl") == std::string::npos;
   quirks.compiles_at_first_launch = platform.find("portable computing language") != std::string::npos;
-  quirks.binaries_lack_argument_info = platform.find("nvidia") != std::string::npos;
-  quirks.ignores_line_directives = platform.find("oclgrind") != std::string::npos;
+  const bool is_nvidia = platform.find("nvidia") != std::string::npos;
+  quirks.binaries_lack_argument_info = is_nvidia;
+  quirks.ignores_line_directives = is_nvidia || platform.find("oclgrind") != std::string::npos;
   quirks.usable_local_bytes = info.is_cpu ? std::min(info.local_bytes, kCpuLocalBytes) : info.local_bytes;
   return quirks;
 }

@@ -42,7 +42,7 @@ struct Quirks {
   /// Programs loaded from a stored binary may lack argument info (NVIDIA): types are then checked only
   /// after a build from source.
   bool binaries_lack_argument_info = false;
-  /// Oclgrind numbers lines of the expanded text: its build logs name no file of cl/.
+  /// Oclgrind and NVIDIA number lines of the expanded text: their build logs name no file of cl/.
   bool ignores_line_directives = false;
   /// Local memory to plan for. CPU drivers report the cache (1 MiB and more), which spills.
   std::uint64_t usable_local_bytes = 0;
