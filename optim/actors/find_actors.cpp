@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
 #include <utility>
 
 #include "host/core/base/fields.hpp"
@@ -58,13 +59,9 @@ class Search {
  private:
   void follow(const ClusterChain& chain);
   [[nodiscard]] bool is_taken(const ClusterChain& chain) const;
-  /// What sweeps say of a body where its track has it.
-  struct Evidence {
-    bool tells = false;    // sweeps and returns are enough
-    double moving = 0.0;   // share of them that moved
-    double through = 0.0;  // share of the votes that look through them
-  };
-  [[nodiscard]] Evidence evidence(const BodyTrack& track) const;
+  /// Share of the votes that look through a body where its track has it, of which sweeps and returns tell enough and
+  /// enough moved, or with `moves` false did not; none of others.
+  [[nodiscard]] std::optional<double> seen_through(const BodyTrack& track, bool moves) const;
   void judge(const Actor& label);
   [[nodiscard]] bool is_body(const BodyTrack& track) const;
   [[nodiscard]] bool is_cut_above(const BodyTrack& track) const;
@@ -113,11 +110,11 @@ void Search::follow(const ClusterChain& chain) {
   out_.actors.push_back(finished(std::move(track)));
 }
 
-Search::Evidence Search::evidence(const BodyTrack& track) const {
+std::optional<double> Search::seen_through(const BodyTrack& track, bool moves) const {
+  if (track.keys() < static_cast<std::size_t>(options_.min_sweeps)) return std::nullopt;
   const std::vector<BodyReturn> returns = all_returns(series_, track, track.box, taken_);
-  if (track.keys() < static_cast<std::size_t>(options_.min_sweeps) ||
-      static_cast<double>(returns.size()) < kLeastReturnsOfABody * static_cast<double>(track.keys()))
-    return {};
+  const auto count = static_cast<double>(returns.size());
+  if (count < kLeastReturnsOfABody * static_cast<double>(track.keys())) return std::nullopt;
   std::size_t moving = 0;
   PointSet points;
   points.position.resize(3, static_cast<Eigen::Index>(returns.size()));
@@ -126,22 +123,21 @@ Search::Evidence Search::evidence(const BodyTrack& track) const {
     moving += motion_[track.sweeps[returns[i].key]][returns[i].point] == Motion::kMoves ? 1U : 0U;
     points.position.col(static_cast<Eigen::Index>(i)) = returns[i].p_body.cast<float>();
   }
+  if ((static_cast<double>(moving) >= kLeastMovingShare * count) != moves) return std::nullopt;
   double through = 0.0, there = 0.0;
   for (const PointVotes& v : votes_along(series_, track, points, kSweepsOfAVote)) {
     through += v.through;
     there += v.there;
   }
   const double votes = through + there;
-  return {true,
-          static_cast<double>(moving) / static_cast<double>(returns.size()),
-          votes > 0.0 ? through / votes : 0.0};
+  return votes > 0.0 ? through / votes : 0.0;
 }
 
 bool Search::is_body(const BodyTrack& track) const {
   if (track.actor.travel_m() < kLeastFoundTravel_m) return false;
   if ((track.box.sizes().array() < kLeastSize_m.array()).any()) return false;
-  const Evidence found = evidence(track);
-  return found.tells && found.moving >= kLeastMovingShare && found.through <= kMostThroughABody;
+  const std::optional<double> through = seen_through(track, true);
+  return through && *through <= kMostThroughABody;
 }
 
 void Search::judge(const Actor& label) {
@@ -155,9 +151,8 @@ void Search::judge(const Actor& label) {
     track.actor.track.push_back({time_s, label.at(time_s)});
     track.actor.track.back().world_from_actor.translation -= series_.scene_origin;
   }
-  const Evidence found = evidence(track);
-  if (found.tells && found.moving < kLeastMovingShare && found.through > kMostThroughABody)
-    out_.standing.push_back(label.name);
+  const std::optional<double> through = seen_through(track, false);
+  if (through && *through > kMostThroughABody) out_.standing.push_back(label.name);
 }
 
 /// Whether the body was always higher than the laser looks.
