@@ -54,20 +54,23 @@ class Driver:
         self.row = {"driver": self.name}
         self.failures = []
 
-    def run(self, program, *arguments):
-        """Exit code, standard output; both outputs stay in the work folder, too, for who waits."""
+    def run(self, program, *arguments, shard=None):
+        """Exit code, standard output; both outputs stay in the work folder, too, for who waits. shard: index and number of those
+        that a program's tests are run in."""
         command = [*self.command, str(self.bin / program), *arguments]
-        out, err = self.work / f"{program}.out", self.work / f"{program}.err"
+        name = f"{program}.{shard[0]}" if shard else program
+        env = dict(self.env, GTEST_SHARD_INDEX=str(shard[0]), GTEST_TOTAL_SHARDS=str(shard[1])) if shard else self.env
+        out, err = self.work / f"{name}.out", self.work / f"{name}.err"
         with open(out, "w") as out_file, open(err, "w") as err_file:
             try:
-                code = subprocess.run(command, env=self.env, stdout=out_file, stderr=err_file, check=False,
+                code = subprocess.run(command, env=env, stdout=out_file, stderr=err_file, check=False,
                                       timeout=self.limit_s).returncode
             except subprocess.TimeoutExpired:
                 code = 124
         if code != 0:
             last = (err.read_text().strip() or out.read_text().strip()).splitlines()[-1:] or [""]
             self.failures.append(f"{program} {' '.join(arguments)}: exit code {code}: {last[0]}")
-        return code, out.read_text()
+        return code, out.read_text(errors="replace")
 
     def rows(self, *arguments):
         code, out = self.run("simuli", "bench", "--json", *arguments)

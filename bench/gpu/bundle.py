@@ -10,8 +10,9 @@ import shutil
 import subprocess
 import sys
 
-PROGRAMS = ("simuli", "simuli-bench", "simuli_runtime_tests", "simuli_cl_tests", "simuli_render_tests", "simuli_scene_tests",
-            "simuli_optim_tests")
+from run import TESTS
+
+PROGRAMS = ("simuli", "simuli-bench", *TESTS)
 SCRIPTS = ("drivers.py", "gpu/run.py", "gpu/icd.py", "gpu/model.py", "gpu/gsplat_peer.py")
 # Of every machine, or to be the machine's own.
 LEFT = ("linux-vdso.so", "ld-linux", "libc.so", "libm.so", "libpthread.so", "libdl.so", "librt.so", "libresolv.so")

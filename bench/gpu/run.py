@@ -121,16 +121,9 @@ class Bench:
 
     def shard(self, program, index, count):
         """(exit code, seconds, what it prints) of a share of a program's tests; most of the time drivers compile."""
-        out = self.driver.work / f"{program}.{index}.out"
-        env = dict(self.driver.env, GTEST_TOTAL_SHARDS=str(count), GTEST_SHARD_INDEX=str(index))
         begin = time.monotonic()
-        with open(out, "w") as file:
-            try:
-                code = subprocess.run([str(self.driver.bin / program)], env=env, stdout=file, stderr=subprocess.STDOUT, check=False,
-                                      timeout=self.arguments.limit).returncode
-            except subprocess.TimeoutExpired:
-                code = 124
-        return code, time.monotonic() - begin, out.read_text(errors="replace")
+        code, text = self.driver.run(program, shard=(index, count))
+        return code, time.monotonic() - begin, text
 
     def tests(self):
         table, data = [], {}
@@ -149,6 +142,7 @@ class Bench:
                           f"{max(seconds for _, seconds, _ in shards):.0f}"))
             for what in (*ended["FAILED"], *cut):
                 self.page.fail("tests", f"{program}: {what}")
+        self.driver.failures.clear()  # told above, test by test
         return data, markdown(("program", "passed", "failed", "skipped", "shards cut", "seconds"), table)
 
     def stages(self):
