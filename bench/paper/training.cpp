@@ -97,11 +97,6 @@ class Case {
     for (const auto& [stage, ms] : stages) rows_.push_back({base_ + "/" + stage, ms, "ms", 0.0});
     const Spread iteration = spread_of(samples);
     rows_.push_back({base_ + "/iteration", iteration.median, "ms", iteration.half_iqr});
-    const double with_densify = time_ms([&] {
-      trainer.step();
-      device_.finish();
-    });
-    rows_.push_back({base_ + "/densify", with_densify - iteration.median, "ms", iteration.half_iqr});
     rows_.push_back({base_ + "/anchor_search", search_ms, "ms", 0.0});
     rows_.push_back({base_ + "/anchor_share",
                      100.0 * (stages["anchor"] + search_ms / 1000.0) / (all + search_ms / 1000.0),

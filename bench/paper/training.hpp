@@ -19,7 +19,6 @@ struct TrainingBenchOptions {
 ///   training/<n>k/iteration        ms from call to result
 ///   training/<n>k/anchor_search    ms, once every 1000 iterations
 ///   training/<n>k/anchor_share     % of the time of 1000 iterations, search included
-///   training/<n>k/densify          ms, once every 100 iterations: 5 % relocated, 5 % new
 ///   training/<n>k/memory_peak      GB of buffers on the device, and .../memory_told what was estimated
 ///   before
 [[nodiscard]] std::vector<Row> run_training(const std::string& device_request,
