@@ -13,7 +13,7 @@ import sys
 from run import TESTS
 
 PROGRAMS = ("simuli", "simuli-bench", *TESTS)
-SCRIPTS = ("drivers.py", "gpu/run.py", "gpu/icd.py", "gpu/model.py", "gpu/gsplat_peer.py")
+SCRIPTS = ("drivers.py", "tensor_reference.py", "gpu/run.py", "gpu/icd.py", "gpu/model.py", "gpu/gsplat_peer.py")
 # Of every machine, or to be the machine's own.
 LEFT = ("linux-vdso.so", "ld-linux", "libc.so", "libm.so", "libpthread.so", "libdl.so", "librt.so", "libresolv.so")
 LAUNCHER = """#!/bin/sh
