@@ -4,8 +4,8 @@
 
 // A group goes through its tile's list in batches: first which work-items have a ray that meets which instance, then
 // what these add up to. Most meet few: only those that do have a row of sums, numbered by instance, then by work-item.
-#define SIM_BATCH 32       // instances: a bit each
-#define SIM_BATCH_ROWS 64  // that local memory holds; a batch of more goes on when these have been added up
+#define SIM_BATCH 32        // instances: a bit each
+#define SIM_BATCH_ROWS 128  // that local memory holds; a batch of more goes on when these have been added up
 #define SIM_ROW (SIM_GRAD + 1)  // the last for the blended error; odd, so that columns lie in different banks
 #define SIM_WORDS ((LS + 31) / 32)
 // Compilers unroll loops over local memory, and take registers for each copy.
@@ -17,7 +17,8 @@ typedef struct {
   ulong slot[SIM_BATCH];
   uint payload[SIM_BATCH];
   uint met[SIM_BATCH * SIM_WORDS];  // [instances]: a bit per work-item that meets it
-  uint row_first[SIM_BATCH + 1];    // of each instance
+  uint row_count[SIM_BATCH];        // of each instance
+  uint row_first[SIM_BATCH + 1];
   real rows[SIM_BATCH_ROWS * SIM_ROW];
   int alive;
 } Batch;
@@ -133,10 +134,16 @@ FN void find_met(const Tile* tile,
 }
 
 FN void count_rows(uint lid, uint count, __local Batch* batch) {
+  for (uint k = lid; k < count; k += LS) {
+    uint own = 0;
+    for (int w = 0; w < SIM_WORDS; ++w) own += popcount(batch->met[k * SIM_WORDS + w]);
+    batch->row_count[k] = own;
+  }
+  barrier(CLK_LOCAL_MEM_FENCE);
   for (uint k = lid; k <= count; k += LS) {
     uint before = 0;
     SIM_ONE_BY_ONE
-    for (uint w = 0; w < k * SIM_WORDS; ++w) before += popcount(batch->met[w]);
+    for (uint i = 0; i < k; ++i) before += batch->row_count[i];
     batch->row_first[k] = before;
   }
 }

@@ -10,20 +10,23 @@ struct Blending;
 FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct Blending* blending);
 
 #if LS > 1
-/// Records of a batch of the list, one fetched by each work-item, for all of them.
+// Records of a batch: of 256 they would leave AMD's compute units room for a third of their waves.
+#define SIM_STAGED (LS < 128 ? LS : 128)
+
+/// Records of a batch of the list, each fetched by one work-item, for all of them.
 typedef struct {
-  Quarter quarters[LS * SIM_QUARTERS];
-  uint payload[LS];
+  Quarter quarters[SIM_STAGED * SIM_QUARTERS];
+  uint payload[SIM_STAGED];
   int alive;
 } Staged;
 
 /// Goes over the list as long as one of the group's work-items is alive. All of them call it.
 FN void walk(const Tile* tile, __local Staged* staged, uint* alive, struct Blending* blending) {
   const uint lid = tile->lid;
-  for (uint batch = tile->begin; batch < tile->end; batch += LS) {
+  for (uint batch = tile->begin; batch < tile->end; batch += SIM_STAGED) {
     barrier(CLK_LOCAL_MEM_FENCE);
     if (lid == 0) staged->alive = 0;
-    if (batch + lid < tile->end) {
+    if (lid < SIM_STAGED && batch + lid < tile->end) {
       const uint packed = tile->payload[batch + lid];
       staged->payload[lid] = packed;
       stage_record(tile->records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD, staged->quarters, lid);
@@ -32,7 +35,7 @@ FN void walk(const Tile* tile, __local Staged* staged, uint* alive, struct Blend
     if (*alive) staged->alive = 1;
     barrier(CLK_LOCAL_MEM_FENCE);
     if (!staged->alive) break;
-    const uint count = min((uint)LS, tile->end - batch);
+    const uint count = min((uint)SIM_STAGED, tile->end - batch);
     for (uint i = 0; i < count; ++i) {
       Instance at;
       staged_record(staged->quarters, i, at.record);

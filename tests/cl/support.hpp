@@ -30,7 +30,7 @@ inline constexpr SceneCase kLidarMoving{"lidar_moving", SetKind::kLidar, true, t
 
 inline constexpr LaneShape kDefaultShape{0, 0, 0};  // of the device
 inline constexpr LaneShape kCpuShape{16, 16, 1};
-inline constexpr LaneShape kGpuShape{1, 4, 64};
+inline constexpr LaneShape kGpuShape{1, 1, 256};
 
 /// One sensor in one view.
 struct Shot {

@@ -11,7 +11,7 @@
 namespace simuli::test {
 namespace {
 
-constexpr LaneShape kShape{1, 4, 64};
+constexpr LaneShape kShape{1, 1, 256};
 constexpr int kNeighbours = 50;  // as trainings anchor
 
 struct NamedVariant {

@@ -13,7 +13,7 @@ struct GpuProgram {
   BuildOptions options;  // those that the text names
 };
 
-/// In the shape of GPUs (1 lane, 4 vectors, 64 work-items): six frames (camera and LiDAR: at rest, moving,
+/// In the shape of GPUs (a work-item a ray): six frames (camera and LiDAR: at rest, moving,
 /// with actors in motion) with all kernels, each option of a frame changed alone, and what has no frame. None
 /// twice. In double precision the six alone.
 [[nodiscard]] std::vector<GpuProgram> gpu_programs();

@@ -12,9 +12,9 @@ target without its compiler is skipped by name.
 Without --all: of frames those at rest, moving and with actors, alone and with each order; all kernels.
 Exit code 1: something does not compile, or is outside of the limits: in float programs no scratch memory and no spilled
 registers, but for rays in orders of their own, whose windows and lists are scratch (OWN_ORDER); none in double programs
-either of the backward pass of blending; at most 16 KiB of local memory, no double in float programs. NVIDIA's may have
-32 bytes: ptxas spills as many where it would rather have more warps, and built-in sines have them for large arguments.
-And no loop of NVIDIA's with a barrier may begin where another does (nvidia.py).
+either of the backward pass of blending; at most 16 KiB of local memory (double: 32), no double in float programs.
+NVIDIA's may have 32 bytes (64): ptxas spills as many where it would rather have more warps, and built-in sines have them for
+large arguments. And no loop of NVIDIA's with a barrier may begin where another does (nvidia.py).
 77: every target was skipped.
 """
 import argparse
@@ -217,12 +217,13 @@ def compiled(tools, target, folder, program, done):
 
 def complaints(target, program, kernel, numbers):
     out = []
+    wide = 2 if program["double"] else 1
     if kernel not in OWN_ORDER and (not program["double"] or kernel == "render_bwd"):
-        if numbers["scratch"] > MOST_SCRATCH.get(target, 0):
+        if numbers["scratch"] > MOST_SCRATCH.get(target, 0) * wide:
             out.append(f"{numbers['scratch']} bytes of scratch")
         if numbers["spills"] and target not in MOST_SCRATCH:
             out.append(f"{numbers['spills']} spilled")
-    if numbers["local"] > MOST_LOCAL:
+    if numbers["local"] > MOST_LOCAL * wide:
         out.append(f"{numbers['local']} bytes of local memory")
     if numbers["fp64"] and not program["double"]:
         out.append("double in a float program")

@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
                     ForwardCase{test::kLidarMoving, Precision::kDouble, test::kDefaultShape},
                     ForwardCase{test::kCameraStill, Precision::kFloat, test::kGpuShape},
                     ForwardCase{test::kLidarMoving, Precision::kFloat, test::kGpuShape},
-                    ForwardCase{test::kCameraStill, Precision::kFloat, LaneShape{1, 1, 256}},
+                    ForwardCase{test::kCameraStill, Precision::kFloat, LaneShape{1, 4, 64}},
                     ForwardCase{test::kLidarMoving, Precision::kFloat, LaneShape{4, 4, 16}}),
     [](const auto& instance) {
       const ForwardCase& c = instance.param;
