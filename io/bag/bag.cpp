@@ -1,10 +1,14 @@
 #include "io/bag/bag.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fmt/format.h>
+#include <fstream>
 #include <set>
 #include <sstream>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -38,8 +42,20 @@ bool is_before(const fs::path& a, const fs::path& b) {
   return std::pair(x.size(), x) < std::pair(y.size(), y);
 }
 
-bool is_packed(const std::string& ending) {
-  return ending == ".zstd" || ending == ".zst" || ending == ".gz" || ending == ".xz" || ending == ".bz2";
+/// What unpacks a file that is compressed whole, by its first bytes, whatever it is called; null for others.
+const char* unpacker_of(const fs::path& file) {
+  using namespace std::string_view_literals;
+  constexpr std::array<std::pair<std::string_view, const char*>, 5> kKinds{{{"\x1f\x8b"sv, "gunzip"},
+                                                                            {"\x28\xb5\x2f\xfd"sv, "unzstd"},
+                                                                            {"\x04\x22\x4d\x18"sv, "unlz4"},
+                                                                            {"BZh"sv, "bunzip2"},
+                                                                            {"\3757zXZ"sv, "unxz"}}};
+  std::string first(5, '\0');
+  std::error_code status;
+  if (fs::is_regular_file(file, status)) std::ifstream(file, std::ios::binary).read(first.data(), 5);
+  const auto kind = std::find_if(
+      kKinds.begin(), kKinds.end(), [&](const auto& entry) { return first.starts_with(entry.first); });
+  return kind == kKinds.end() ? nullptr : kind->second;
 }
 
 /// Only this file tells of messages that the recorder compressed one by one, which are no CDR, and of parts that are
@@ -79,34 +95,38 @@ std::unique_ptr<const Bag> open_bag(const fs::path& path) {
   if (fs::is_directory(path, status)) {
     std::vector<fs::path> files;
     std::set<std::string> endings;
-    bool has_packed = false;
+    const char* unpacker = nullptr;
     for (const auto& entry : fs::directory_iterator(path, status)) {
       const std::string of = ending_of(entry.path());
-      has_packed = has_packed || is_packed(of);
-      if (of != ".mcap" && of != ".db3") continue;
+      if (of != ".mcap" && of != ".db3") {
+        if (unpacker == nullptr) unpacker = unpacker_of(entry.path());
+        continue;
+      }
       files.push_back(entry.path());
       endings.insert(of);
     }
     if (endings.size() != 1) {
       throw_input_error(path.string(),
                         "files",
-                        !files.empty() ? "both .mcap and .db3"
-                        : has_packed   ? "files that are compressed whole"
-                                       : "no .mcap and no .db3",
-                        has_packed ? "unpacked ones: unzstd, gunzip .." : "one kind");
+                        !files.empty()        ? "both .mcap and .db3"
+                        : unpacker != nullptr ? "files that are compressed whole"
+                                              : "no .mcap and no .db3",
+                        unpacker != nullptr ? fmt::format("unpacked ones: {}", unpacker) : "one kind");
     }
     need_whole(path / "metadata.yaml", files.size());
     std::sort(files.begin(), files.end(), is_before);
     return std::make_unique<const BagParts>(files);
   }
   if (!is_there(path)) throw_input_error(path.string(), "file", "none", "a recording");
+  if (const char* unpacker = unpacker_of(path))
+    throw_input_error(
+        path.string(), "file", "one that is compressed whole", fmt::format("an unpacked one: {}", unpacker));
   if (ending == ".mcap") return open_mcap(path);
   if (ending == ".db3") return open_sqlite_bag(path);
   throw_input_error(path.string(),
                     "ending",
                     '"' + ending + '"',
-                    is_packed(ending) ? "an unpacked file: unzstd, gunzip .."
-                                      : ".mcap, .db3, or a folder of such (ROS 1's .bag: rosbags-convert)");
+                    ".mcap, .db3, or a folder of such (ROS 1's .bag: rosbags-convert)");
 }
 
 }  // namespace simuli

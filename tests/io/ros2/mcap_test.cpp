@@ -1,4 +1,6 @@
+#include <array>
 #include <cstring>
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <optional>
 #include <string>
@@ -178,11 +180,18 @@ TEST(Mcap, WhatIsNoRecordingIsRefused) {
   expect_input_error([&] { (void)open_bag(scratch.file("a.bag", "#ROSBAG V2.0\n")); },
                      {".bag", ".mcap, .db3"});
   expect_input_error([&] { (void)open_bag(scratch.path()); }, {"no .mcap and no .db3"});
-  // What `ros2 bag record --compression-mode` leaves behind.
-  (void)scratch.file("a.mcap.zstd", "");
+  // What `ros2 bag record --compression-mode` leaves behind, and others: by first bytes, whatever it is called.
+  (void)scratch.file("a.mcap.zstd", "\x28\xb5\x2f\xfd");
   expect_input_error([&] { (void)open_bag(scratch.path()); }, {"compressed whole", "unzstd"});
-  for (const char* packed : {"a.MCAP.gz", "a.db3.zst"})
-    expect_input_error([&] { (void)open_bag(scratch.file(packed, "")); }, {packed, "unpacked"});
+  for (const auto& [name, bytes, unpacker] : {std::array{"a.MCAP.gz", "\x1f\x8b", "gunzip"},
+                                              {"a.db3.zst", "\x28\xb5\x2f\xfd", "unzstd"},
+                                              {"a.mcap.lz4", "\x04\x22\x4d\x18", "unlz4"},
+                                              {"a.mcap", "BZh9", "bunzip2"},
+                                              {"a.db3", "\3757zXZ", "unxz"}}) {
+    expect_input_error([&, &name = name, &bytes = bytes] { (void)open_bag(scratch.file(name, bytes)); },
+                       {name, "compressed whole", unpacker});
+    std::filesystem::remove(scratch / name);
+  }
   expect_input_error([&] { (void)open_bag(scratch.file("A.MCAP", "")); }, {"A.MCAP: first 8 bytes"});
   (void)scratch.file(
       "metadata.yaml",
