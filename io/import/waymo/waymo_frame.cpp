@@ -29,7 +29,17 @@ int pixels(std::uint64_t value) { return static_cast<int>(std::min<std::uint64_t
 
 Frame Reader::frame(std::string_view bytes) const {
   Frame f;
-  for (const WireField& field : wire_fields(bytes, file_, "frame")) {
+  const std::vector<WireField> fields = wire_fields(bytes, file_, "frame");
+  // Others' records have those numbers, too, and would be read as frames whose names are whatever stands there.
+  if (std::none_of(fields.begin(), fields.end(), [](const auto& field) {
+        return field.number == 2 && !field.is_bytes;
+      }))
+    throw_input_error(
+        file_,
+        "record",
+        "no frame but a Scenario or tf.Example, as of the Motion data set, which has no pictures",
+        "frames of the Perception data set");
+  for (const WireField& field : fields) {
     if (field.number == 1) context(field.bytes, f);
     if (field.number == 2) f.time_s = static_cast<double>(field.value) * 1e-6;
     if (field.number == 3) f.world_from_vehicle = transform(field.bytes);

@@ -224,6 +224,11 @@ TEST(Waymo, RefusesWhatIsNotWhole) {
         {found, "allowed a .tfrecord of frames"});
   };
   refuse_path(scratch.path(), "found a folder");
+  // A tf.Example: features by name. A Scenario: times, then tracks where a frame has its time.
+  const std::string feature = Message().bytes(1, "state/current/x").bytes(2, "").text();
+  refuse(record(Message().bytes(1, Message().bytes(1, feature).text()).text()), "Motion data set");
+  refuse(record(Message().bytes(5, "id").reals(1, {0.0, 0.1}).bytes(2, Message().number(1, 7).text()).text()),
+         "Motion data set");
   refuse_path(scratch / "nowhere", "found no such file");
 }
 
