@@ -329,6 +329,9 @@ BeamTable find_beams(const std::vector<RawSweep>& sweeps) {
   find_azimuths(points, table);
   for (std::size_t r = 0; r < table.rows.size(); ++r) fit_beam(points[r], table.rows[r]);
   borrow_offsets(points, table);
+  std::stable_sort(table.rows.begin(), table.rows.end(), [](const BeamEstimate& a, const BeamEstimate& b) {
+    return a.row.elevation > b.row.elevation;
+  });
   points = sort_points(sweeps, table);
   return table;
 }
@@ -350,9 +353,6 @@ Lidar lidar_of(const BeamTable& table, const std::string& name, SpinDirection sp
     lidar.rows.push_back(beam.row);
     lidar.rows.back().azimuth_offset -= mean_offset;
   }
-  std::stable_sort(lidar.rows.begin(), lidar.rows.end(), [](const LidarRow& a, const LidarRow& b) {
-    return a.elevation > b.elevation;
-  });
   return lidar;
 }
 

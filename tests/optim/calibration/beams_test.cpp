@@ -125,6 +125,23 @@ TEST(Beams, OneDistanceTellsNoOffsets) {
   EXPECT_TRUE(says("horizontal offset of 16 of 16 rows: not determined"));
 }
 
+TEST(Beams, RowsStandInTheOrderOfTheSensor) {
+  // A room: beams that meet its floor alone, about as far away all around, are found with offsets that are not theirs.
+  RawSweep sweep;
+  for (int i = 0; i < 400 * 16; ++i) {
+    const double azimuth = i / 16 * 2.0 * kPi / 400.0, elevation = (15.0 - 2.0 * (i % 16)) * kDegree;
+    const Eigen::Vector3d ahead = Lidar::direction(azimuth, elevation);
+    const Eigen::Vector3d wall(
+        ahead.x() > 0.0 ? 24.0 : -16.0, ahead.y() > 0.0 ? 12.0 : -12.0, ahead.z() > 0.0 ? 6.2 : -1.8);
+    sweep.push_back(wall.cwiseQuotient(ahead).minCoeff() * ahead);
+  }
+  const BeamTable table = find_beams({sweep});
+  ASSERT_EQ(table.rows.size(), 16U);
+  for (std::size_t r = 0; r < table.rows.size(); ++r)
+    EXPECT_NEAR(table.rows[r].row.elevation, (15.0 - 2.0 * static_cast<double>(r)) * kDegree, 0.05 * kDegree)
+        << r;
+}
+
 TEST(Beams, AzimuthsOffAnyGridTellNoSideOffsets) {
   const BeamTable table = find_beams(fire({false, false}, 4));
   EXPECT_EQ(table.encoder_ticks, 0);
