@@ -378,13 +378,27 @@ class Importer {
   }
 
   /// The rig stands upright, on average: a world in which it doesn't (z down, or that of an IMU's or a camera's first
-  /// pose) is turned by the least angle to one in which it does.
+  /// pose) is turned by the least angle to one in which it does. A tilt that roads have, too, is told, and turned where
+  /// the rig has it to the same side of the world whichever way it heads.
   void level(std::vector<TimedPose>& poses) {
     constexpr double kSteepest = 20.0 * kDegree;  // no road is
-    Eigen::Vector3d up = Eigen::Vector3d::Zero();
-    for (const TimedPose& p : poses) up += p.pose.rotation * Eigen::Vector3d::UnitZ();
+    constexpr double kWorthTelling = 3.0 * kDegree;
+    constexpr double kManyWays = 0.9, kOnePlane = 0.25;  // length of the mean heading; of the tilt
+    Eigen::Vector3d up = Eigen::Vector3d::Zero(), ahead = Eigen::Vector3d::Zero();
+    for (const TimedPose& p : poses) {
+      up += p.pose.rotation * Eigen::Vector3d::UnitZ() / static_cast<double>(poses.size());
+      ahead += p.pose.rotation * Eigen::Vector3d::UnitX() / static_cast<double>(poses.size());
+    }
     const double tilt = std::acos(std::clamp(up.normalized().z(), -1.0, 1.0));
-    if (!(tilt > kSteepest) || up.norm() < 0.5 * static_cast<double>(poses.size())) return;
+    if (!(tilt > kWorthTelling) || up.norm() < 0.5) return;
+    const bool is_plane = ahead.norm() < kManyWays && std::acos(std::min(1.0, up.norm())) < kOnePlane * tilt;
+    if (tilt <= kSteepest && !is_plane) {
+      note(fmt::format(
+          "{} leans by {:.1f} degrees on average: a slope, or the path's frame is not level (--world-frame)",
+          options_.rig_frame,
+          tilt / kDegree));
+      return;
+    }
     const Pose turn{Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()),
                     Eigen::Vector3d::Zero()};
     for (TimedPose& p : poses) p.pose = turn * p.pose;

@@ -311,12 +311,19 @@ TEST(Ros2Log, TheRigStandsUprightInTheWorld) {
   const Log log = street(scratch);
   const Eigen::Quaterniond ned(0.0, std::sqrt(0.5), std::sqrt(0.5), 0.0);
   const Eigen::Quaterniond slope(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()));
-  for (const auto& [turn, is_levelled] : {std::pair(ned, true), std::pair(slope, false)}) {
+  // A slope that is driven up is told; one to the same side of the world in a bend is its frame's.
+  for (const auto& [name, turn, bend, is_levelled] : {std::tuple("ned.mcap", ned, 0.0, true),
+                                                      std::tuple("slope.mcap", slope, 0.0, false),
+                                                      std::tuple("odom.mcap", slope, 2.0, true)}) {
     Log turned = log;
     std::vector<TimedPose> poses = log.world_from_rig.poses();
-    for (TimedPose& p : poses) p.pose = Pose{turn, Eigen::Vector3d::Zero()} * p.pose;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const double yaw = bend * static_cast<double>(i) / static_cast<double>(poses.size());
+      poses[i].pose = Pose{turn, Eigen::Vector3d::Zero()} * poses[i].pose;
+      poses[i].pose.rotation = poses[i].pose.rotation * Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ());
+    }
     turned.world_from_rig = Trajectory(std::move(poses));
-    const fs::path file = scratch / (is_levelled ? "ned.mcap" : "slope.mcap");
+    const fs::path file = scratch / name;
     record_by({drivers().front()}, turned, file);
     Ros2Options options = options_for(log, file, "");
     options.lidars[0].topic = "/points";
@@ -326,6 +333,7 @@ TEST(Ros2Log, TheRigStandsUprightInTheWorld) {
     const std::string told = fmt::format("{}", fmt::join(report.notes, "\n"));
     EXPECT_EQ(up.z() > 0.999, is_levelled) << told;
     EXPECT_EQ(told.find("base_link stands upright then") != std::string::npos, is_levelled) << told;
+    EXPECT_EQ(told.find("base_link leans by ") != std::string::npos, !is_levelled) << told;
   }
 }
 
