@@ -50,10 +50,16 @@ std::optional<double> off_row(const Lidar& lidar, int row, const std::vector<con
   return *middle;
 }
 
-/// The built-in table whose rows lie nearest to the rings', as text. A ring on another's row and a row without a
-/// ring count as much as one that is a degree off.
-std::string nearest_table(const Rings& rings) {
-  std::string text;
+struct NearestTable {
+  std::string text = "none";
+  bool is_whole = false;  // each of its rows has a ring, and that as near as units of one sensor are alike
+};
+
+/// The built-in table whose rows lie nearest to the rings'. A ring on another's row and a row without a ring count as
+/// much as one that is a degree off.
+NearestTable nearest_table(const Rings& rings) {
+  constexpr double kAlike = 0.1 * kDegree;
+  NearestTable nearest;
   double least = std::numeric_limits<double>::infinity();
   for (const std::string& name : builtin_lidar_names()) {
     const Lidar table = builtin_lidar(name);
@@ -79,10 +85,12 @@ std::string nearest_table(const Rings& rings) {
         mean + kDegree * (1.0 - static_cast<double>(taken.size()) / static_cast<double>(rows));
     if (cost >= least) continue;
     least = cost;
-    text = fmt::format(
-        "{} ({:.3f} degrees off in the mean, {} of {} rows)", name, mean / kDegree, taken.size(), rows);
+    nearest = {
+        fmt::format(
+            "{} ({:.3f} degrees off in the mean, {} of {} rows)", name, mean / kDegree, taken.size(), rows),
+        static_cast<int>(taken.size()) == rows && mean < kAlike};
   }
-  return text.empty() ? "none" : text;
+  return nearest;
 }
 
 class Fit {
@@ -123,7 +131,21 @@ class Fit {
       }
       out.row_of[static_cast<std::size_t>(ring)] = best;
     }
+    need_own_rows(rings, last + 1 == static_cast<int>(rings.size()));
     complete(ring_of.size());
+  }
+
+  /// Of points without rings.
+  void rows(const std::vector<Eigen::Vector3d>& places) {
+    const std::vector<double> tolerances = row_tolerances(out.model);
+    std::vector<CloudPoint> points(places.size());
+    Rings by_row;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      points[i].position = places[i];
+      const int row = nearest_row(out.model, tolerances, places[i]);
+      if (row >= 0) by_row[row].push_back(&points[i]);
+    }
+    need_own_rows(by_row, true);
   }
 
   /// Where the turn begins and to which side it goes, by the points' times.
@@ -202,12 +224,26 @@ class Fit {
   RecordedLidar out;
 
  private:
+  /// Rows that returned nothing, told; or another table's rows, all of them, where nothing says that points are of each
+  /// second ring alone: the others would be learned as rows that never return.
+  void need_own_rows(const Rings& rings, bool are_all) {
+    const auto known = static_cast<int>(rings.size()), count = out.model.row_count();
+    if (known == 0 || known == count) return;
+    if (are_all && nearest_table(rings).is_whole) {
+      refuse("rows",
+             fmt::format("points on {} of {}", known, count),
+             fmt::format("on all of {}: {}", out.model.name, doubt(rings)));
+    }
+    out.notes.push_back(
+        fmt::format("{} of {} rows return nothing in the first sweeps", count - known, count));
+  }
+
   [[nodiscard]] std::string doubt(const Rings& rings) const {
     return fmt::format(
         "is it that sensor, in that frame (of Ouster often --lidar TOPIC=SENSOR:os_sensor)? Nearest built-in "
         "table: "
         "{}; its own: simuli fit beams {} --topic {} -o FILE, for --lidar {}=FILE",
-        nearest_table(rings),
+        nearest_table(rings).text,
         file_,
         where_,
         where_);
@@ -284,7 +320,10 @@ RecordedLidar fit_recorded(const Ros2Lidar& as_asked,
   if (rings.empty()) fit.refuse("points", "none in the first sweeps", "some");
   const bool has_rings = rings.begin()->first >= 0;
   if (!has_rings && rings.size() > 1) fit.refuse("rings", "of some points", "those of all, or of none");
-  if (has_rings) fit.rows(rings);
+  if (has_rings)
+    fit.rows(rings);
+  else
+    fit.rows(places);
   RecordedTurn turn = find_turn(asked, sweeps, fit.out.row_of, apart_s, file, where);
   fit.out.model = std::move(turn.model);
   std::move(turn.notes.begin(), turn.notes.end(), std::back_inserter(fit.out.notes));

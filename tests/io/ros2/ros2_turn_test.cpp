@@ -274,5 +274,25 @@ TEST(Ros2Turn, WhatContradictsTheNamedModeIsRefused) {
   refused("velodyne_vlp16", other_unit, 0.1, {"/points: points' times", "no turn", "--point-time"});
 }
 
+TEST(Ros2Turn, RowsThatNeverReturnAreAnotherTable) {
+  Drive drive{builtin_lidar("velodyne_vlp16")};
+  for (const bool has_rings : {true, false}) {
+    drive.has_rings = has_rings;
+    test::expect_input_error([&] { (void)found("hesai_xt32", drive, 0.1); },
+                             {"/points: rows", "16 of 32", "(0.000 degrees off in the mean, 16 of 16 rows)"});
+  }
+  // Of each second ring, by its number, or of a part of another sensor: told.
+  std::vector<std::vector<ros2::CloudPoint>> second = sweeps_of({builtin_lidar("hesai_xt32")});
+  for (auto& sweep : second) std::erase_if(sweep, [](const ros2::CloudPoint& p) { return p.ring % 2 != 0; });
+  Drive part{builtin_lidar("hesai_xt32")};
+  part.lidar.rows.resize(20);
+  for (const auto& [sweeps, told] : {std::pair(second, "16 of 32 rows return nothing"),
+                                     std::pair(sweeps_of(part), "12 of 32 rows return nothing")}) {
+    const ros2::RecordedLidar lidar = ros2::fit_recorded(
+        asked_for("hesai_xt32"), sweeps, 0.1, ros2::Stamp::kStart, "drive.mcap", "/points");
+    EXPECT_NE(fmt::format("{}", fmt::join(lidar.notes, "\n")).find(told), std::string::npos);
+  }
+}
+
 }  // namespace ros2_turn_test
 }  // namespace simuli
