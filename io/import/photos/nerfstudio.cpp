@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <iterator>
 #include <numbers>
+#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -150,6 +153,14 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
       if (root.has(lens))
         throw_input_error(set.source, lens, "there", "PINHOLE, OPENCV or OPENCV_FISHEYE, by camera_model");
     }
+    constexpr std::array kMoved{"rolling_shutter",
+                                "rolling_shutter_time",
+                                "exposure_time",
+                                "transform_matrix_start",
+                                "transform_matrix_end",
+                                "camera_linear_velocity",
+                                "camera_angular_velocity"};
+    std::set<std::string> moved;
     std::size_t masked = 0;
     (void)root.objects("frames", [&](JsonObject& frame) {
       frame.ignore_other_keys();
@@ -158,12 +169,20 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
       const Pose pose = pose_of(frame.get("transform_matrix"), set.source, frame.field("transform_matrix"));
       set.photos.push_back({photo_file(folder, frame), camera, pose});
       masked += frame.has("mask_path") ? 1U : 0U;
+      std::copy_if(kMoved.begin(), kMoved.end(), std::inserter(moved, moved.end()), [&](const char* key) {
+        return intrinsics.has(key);
+      });
       return 0;
     });
     if (masked > 0) {
       set.notes.push_back(fmt::format(
           "{} masks of single photographs are left out; simuli mask hides what a camera always sees",
           masked));
+    }
+    if (!moved.empty()) {
+      set.notes.push_back(
+          fmt::format("{} left out: each photograph counts as taken in one moment, at transform_matrix",
+                      fmt::join(moved, ", ")));
     }
     if (root.has("ply_file_path")) {
       set.points = read_points_ply(inside(folder, root.text("ply_file_path"), set.source, "ply_file_path"));

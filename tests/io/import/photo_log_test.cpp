@@ -329,6 +329,13 @@ TEST(Nerfstudio, PosesAreOurs) {
   refuse(transforms(head + R"("is_fisheye": true,)", "OPENCV"), "is_fisheye");
   refuse(transforms(head + R"("k4": 0.1,)", "OPENCV"), "k4");
   refuse(transforms(head + R"("latlong": true,)", "OPENCV"), "latlong");
+  // What moves a camera within a photograph is told, wherever it stands.
+  std::string moved = transforms(head + R"("rolling_shutter": [0, 0, 1, 0],)", "OPENCV");
+  moved.insert(moved.find("\"transform_matrix\""), "\"transform_matrix_end\": [], ");
+  EXPECT_EQ(read_nerfstudio({scratch.file("moved.json", moved), {}}).notes,
+            std::vector<std::string>{
+                "rolling_shutter, transform_matrix_end left out: each photograph counts as taken in "
+                "one moment, at transform_matrix"});
   const PhotoSet bent = read_nerfstudio({scratch.file("pinhole.json", transforms(head, "PINHOLE")), {}});
   EXPECT_EQ(bent.cameras.at(0).lens.kind(), LensKind::kOpencvPinhole);  // k1 counts whatever the name
   refuse(transforms(R"("fl_x": 9, "w": 8.5, "h": 6,)", "OPENCV"), "w: found 8.5");
