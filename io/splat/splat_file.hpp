@@ -54,6 +54,9 @@ inline constexpr char kSplatExtensions[] = ".ply, .spz or .glb";
 [[nodiscard]] GaussianSet read_spz(const std::filesystem::path& file);
 /// The same of its bytes; `file` is for messages.
 [[nodiscard]] GaussianSet read_spz(std::string bytes, const std::string& file);
+/// For people, where it says that opacities are of splats which lose some where a pixel's footprint widens them;
+/// "" for others, and for files of other formats.
+[[nodiscard]] std::string antialiased_note(const std::filesystem::path& file);
 /// Version 3, of a set with y down. What its numbers can't hold is clipped: colours to -0.4 to 1.4, SH to -1
 /// to 1, scales to 45 um to 380 m. Error{kInput} for what validate() refuses, for LiDAR sets, and for means
 /// so far out that fewer than 4 fractional bits would be left (half a million metres).

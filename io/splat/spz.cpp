@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fmt/format.h>
+#include <fstream>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -226,6 +227,19 @@ int fractional_bits_of(const GaussianSet& set, const std::string& file) {
 }
 
 }  // namespace
+
+std::string antialiased_note(const std::filesystem::path& file) {
+  std::string start(4096, '\0');  // of a gzip stream that is enough for the header
+  std::ifstream in(file, std::ios::binary);
+  in.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(in.gcount()));
+  if (is_gzip(start)) start = gunzip_start(start, kHeaderBytes, file.string());
+  constexpr unsigned kAntialiased = 1;
+  if (start.size() < kHeaderBytes || !start.starts_with(kMagic) ||
+      (static_cast<std::uint8_t>(start[14]) & kAntialiased) == 0)
+    return "";
+  return "trained antialiased: render.camera_compensation=true renders it so";
+}
 
 GaussianSet read_spz(const std::filesystem::path& file) {
   return read_spz(read_file(file, kMaxBytes), file.string());

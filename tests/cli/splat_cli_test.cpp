@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "io/base/file.hpp"
 #include "io/picture/image.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/splat/splat_file.hpp"
@@ -49,6 +50,24 @@ TEST_F(SplatCli, OtherFilesOfSplatsAreToldApart) {
   expect_failure("view red.splat --port 0",
                  kInput,
                  "found a file, allowed a scene's folder, or splats: .ply, .spz, .glb");
+}
+
+TEST_F(SplatCli, WhatTheHeaderSaysOfOpacitiesIsTold) {
+  for (const char flags : {'\0', '\1'}) {
+    std::string spz("NGSP\2\0\0\0\1\0\0\0\0\14\0\0", 16);  // version 2, one particle of SH degree 0
+    spz[14] = flags;
+    simuli::write_file_atomically(folder_ / "a.spz", spz + std::string(19, '\x80'));
+    fs::remove_all(folder_ / "out");
+    for (const std::string command : {"info a.spz",
+                                      "import splat a.spz --survey",
+                                      "render a.spz --sensor orbit --scale 0.02 --times 0:5:5 -o out"}) {
+      const Outcome done = run(command);
+      EXPECT_EQ(done.exit_code, 0) << done.err;
+      EXPECT_EQ((done.out + done.err).find("render.camera_compensation=true") != std::string::npos,
+                flags == '\1')
+          << command;
+    }
+  }
 }
 
 TEST_F(SplatCli, EndingsInCapitalsAreTheSame) {

@@ -100,6 +100,12 @@ TEST(Spz, ReadsOlderVersions) {
       EXPECT_NEAR(set.sh(0)(0, 1), (166.0F / 255.0F - 0.5F) / 0.15F, 1e-4F);
       EXPECT_NEAR(set.rotation()(0, 1), 1.0F, 1e-4F);
       EXPECT_NEAR(set.rotation()(0, 0), 0.0F, 0.1F);
+      for (const char flags : {'\0', '\1', '\2'}) {
+        std::string flagged = bytes;
+        flagged[14] = flags;
+        EXPECT_EQ(antialiased_note(scratch.file("b.spz", packed ? gzip(flagged) : flagged)).empty(),
+                  flags != '\1');
+      }
     }
   }
 }

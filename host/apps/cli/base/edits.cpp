@@ -15,6 +15,7 @@
 #include "host/core/scene/edit.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/scene/splat_scene.hpp"
+#include "io/splat/splat_file.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -49,6 +50,8 @@ SceneFile read_told_scene(const std::filesystem::path& path) {
   SceneFile scene = read_scene(path);
   if (scene.left_out > 0)
     std::cerr << fmt::format("simuli: note: left out: {}\n", broken_particles(scene.left_out));
+  if (const std::string note = is_splat_file(path) ? antialiased_note(path) : ""; !note.empty())
+    std::cerr << fmt::format("simuli: note: {}\n", note);
   return scene;
 }
 

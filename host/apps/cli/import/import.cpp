@@ -126,6 +126,7 @@ void import_splats(SplatCommand command, const Globals& globals) {
   const Eigen::AlignedBox3d box = extent_of(scene.scene.camera);
   const Eigen::Vector3d size = box.sizes(), from = scene.scene.origin + box.min();
   if (scene.left_out > 0) std::cerr << fmt::format("left out: {}\n", broken_particles(scene.left_out));
+  if (const std::string note = antialiased_note(command.file); !note.empty()) std::cerr << note << '\n';
   if (globals.json) {
     const nlohmann::ordered_json out = {{"folder", command.output},
                                         {"particles", scene.scene.camera.size()},
