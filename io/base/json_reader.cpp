@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #include <functional>
 #include <iterator>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -257,13 +258,23 @@ JsonObject::JsonObject(std::string file, std::string path, const Json& value)
   }
 }
 
+JsonObject::JsonObject(const JsonObject& parent, const std::string& key, std::size_t index, const Json& value)
+    : parent_(&parent), index_(index), path_(key), value_(value) {
+  if (!value_.is_object()) throw_input_error(file(), path(), shortened(value_), "an object {...}");
+}
+
+std::string JsonObject::path() const {
+  return parent_ == nullptr ? path_ : fmt::format("{}[{}]", parent_->field(path_), index_);
+}
+
 std::string JsonObject::field(const std::string& key) const {
   const std::string shown = key.size() > kLongest ? quoted(key) : key;
-  return path_.empty() ? shown : path_ + '.' + shown;
+  const std::string own = path();
+  return own.empty() ? shown : own + '.' + shown;
 }
 
 const Json& JsonObject::get(const std::string& key) {
-  asked_.insert(key);
+  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.push_back(key);
   const auto it = value_.find(key);
   if (it != value_.end()) return *it;
   // The keys that are there show a misspelt name or a wrong unit at once.
@@ -274,14 +285,14 @@ const Json& JsonObject::get(const std::string& key) {
   }
   if (present.size() < value_.size()) present.push_back("...");
   throw_input_error(
-      file_,
+      file(),
       field(key),
       present.empty() ? "no key at all" : fmt::format("no such key beside {}", fmt::join(present, ", ")),
       "this key (and no other spelling or unit)");
 }
 
 void JsonObject::refuse(const std::string& key, const std::string& allowed) const {
-  throw_input_error(file_, field(key), shortened(value_.at(key)), allowed);
+  throw_input_error(file(), field(key), shortened(value_.at(key)), allowed);
 }
 
 double JsonObject::number(const std::string& key, double minimum, double maximum) {
@@ -296,13 +307,12 @@ double JsonObject::number(const std::string& key, double minimum, double maximum
 
 std::int64_t JsonObject::integer(const std::string& key, std::int64_t minimum, std::int64_t maximum) {
   const Json& value = get(key);
-  const std::string allowed = fmt::format("an integer from {} to {}", minimum, maximum);
-  if (!value.is_number_integer()) refuse(key, allowed);
   constexpr auto kLargest = static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());
-  if (value.is_number_unsigned() && value.get<std::uint64_t>() > kLargest) refuse(key, allowed);
-  const auto number = value.get<std::int64_t>();
-  if (number < minimum || number > maximum) refuse(key, allowed);
-  return number;
+  if (value.is_number_integer() && (!value.is_number_unsigned() || value.get<std::uint64_t>() <= kLargest)) {
+    const auto number = value.get<std::int64_t>();
+    if (number >= minimum && number <= maximum) return number;
+  }
+  refuse(key, fmt::format("an integer from {} to {}", minimum, maximum));
 }
 
 std::string JsonObject::text(const std::string& key) {
@@ -324,27 +334,26 @@ const Json& JsonObject::array(const std::string& key) {
 }
 
 std::vector<double> JsonObject::numbers(const std::string& key) {
-  const Json& elements = array(key);
-  std::vector<double> out;
-  out.reserve(elements.size());
-  for (const Json& element : elements) {
-    if (!element.is_number()) refuse(key, "an array of numbers");
-    out.push_back(element.get<double>());
-  }
+  std::vector<double> out(array(key).size());
+  read_numbers(key, out.data(), out.size());
   return out;
 }
 
-std::vector<double> JsonObject::numbers_of_count(const std::string& key, std::size_t count) {
-  std::vector<double> out = numbers(key);
-  if (out.size() != count) refuse(key, fmt::format("an array of {} numbers", count));
-  return out;
+void JsonObject::read_numbers(const std::string& key, double* values, std::size_t count) {
+  const Json& elements = array(key);
+  const bool are_numbers =
+      std::all_of(elements.begin(), elements.end(), [](const Json& element) { return element.is_number(); });
+  if (!are_numbers) refuse(key, "an array of numbers");
+  if (elements.size() != count) refuse(key, fmt::format("an array of {} numbers", count));
+  for (const Json& element : elements) *values++ = element.get<double>();
 }
 
 void JsonObject::finish() const {
   if (ignores_others_) return;
-  for (const auto& [key, unused] : value_.items()) {
-    if (asked_.contains(key)) continue;
-    throw_input_error(file_, field(key), "an unknown key", fmt::format("{}", fmt::join(asked_, ", ")));
+  for (auto at = value_.begin(); at != value_.end(); ++at) {
+    if (std::find(asked_.begin(), asked_.end(), at.key()) != asked_.end()) continue;
+    const std::set<std::string> asked(asked_.begin(), asked_.end());
+    throw_input_error(file(), field(at.key()), "an unknown key", fmt::format("{}", fmt::join(asked, ", ")));
   }
 }
 

@@ -7,7 +7,6 @@
 #include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <set>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -25,7 +24,7 @@ class JsonObject {
   /// `file` and `path` ("cameras[0]"; empty for the root) are for messages; `value` must outlive this.
   JsonObject(std::string file, std::string path, const Json& value);
 
-  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] const std::string& file() const { return parent_ != nullptr ? parent_->file() : file_; }
   /// "PATH.KEY", for messages of checks made by the caller.
   [[nodiscard]] std::string field(const std::string& key) const;
   /// Whether an optional key is there (does not count as asking for it).
@@ -47,13 +46,14 @@ class JsonObject {
   /// An array of exactly N numbers.
   template <int N>
   [[nodiscard]] Eigen::Matrix<double, N, 1> vector(const std::string& key) {
-    const std::vector<double> values = numbers_of_count(key, N);
-    return Eigen::Map<const Eigen::Matrix<double, N, 1>>(values.data());
+    Eigen::Matrix<double, N, 1> values;
+    read_numbers(key, values.data(), N);
+    return values;
   }
   /// What `read(JsonObject&)` makes of the object under `key`.
   template <class Read>
   [[nodiscard]] auto object(const std::string& key, Read&& read) {
-    JsonObject child(file_, field(key), get(key));
+    JsonObject child(file(), field(key), get(key));
     return child.read_and_finish(read);
   }
   /// What `read(JsonObject&)` makes of each object of the array under `key`.
@@ -63,7 +63,7 @@ class JsonObject {
     const Json& elements = array(key);
     out.reserve(elements.size());
     for (std::size_t i = 0; i < elements.size(); ++i) {
-      JsonObject child(file_, field(key) + '[' + std::to_string(i) + ']', elements[i]);
+      JsonObject child(*this, key, i, elements[i]);
       out.push_back(child.read_and_finish(read));
     }
     return out;
@@ -87,15 +87,20 @@ class JsonObject {
   }
 
  private:
+  /// Of a list as long as a file: what messages alone need is made once there is one.
+  JsonObject(const JsonObject& parent, const std::string& key, std::size_t index, const Json& value);
+  [[nodiscard]] std::string path() const;
   [[nodiscard]] const Json& array(const std::string& key);
-  [[nodiscard]] std::vector<double> numbers_of_count(const std::string& key, std::size_t count);
+  void read_numbers(const std::string& key, double* values, std::size_t count);
   [[noreturn]] void refuse(const std::string& key, const std::string& allowed) const;
   void finish() const;
 
-  std::string file_;
+  const JsonObject* parent_ = nullptr;  // where this is the element index_ of its list path_
+  std::size_t index_ = 0;
+  std::string file_;  // empty with a parent
   std::string path_;
   const Json& value_;
-  std::set<std::string> asked_;
+  std::vector<std::string> asked_;  // few
   bool ignores_others_ = false;
 };
 
