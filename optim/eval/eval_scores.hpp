@@ -53,7 +53,7 @@ struct PictureScore : FrameScore {
 struct SweepScore : FrameScore {
   SweepMetrics metrics;  // of rays that meet the world
   double expected_median_m = kNoNumber;
-  double share_own = kNoNumber;  // of all rays: meet the own vehicle
+  double share_own = kNoNumber;  // of all rays that are fired: meet the own vehicle
 };
 
 /// Means over frames. NaN where there is no such frame; a sweep whose value is NaN (nothing predicted,

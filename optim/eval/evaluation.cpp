@@ -37,11 +37,18 @@ double time_render(const Device& device, const std::function<Frame()>& render, i
   return median(std::move(seconds));
 }
 
-/// Of the rays that meet the world.
-SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, const Shot& in_scene) {
+/// Of the rays that meet the world; `share_own` of those that are fired don't.
+SweepComparison compare_rays(const SweepPair& pair,
+                             const LidarModel& lidar,
+                             const Shot& in_scene,
+                             double& share_own) {
   const LidarRays& rays = pair.recorded.rays;
+  const auto* const table = std::get_if<Lidar>(&lidar);
+  std::size_t fired = 0;
   SweepComparison out;
   for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
+    if (table != nullptr && !fires(*table, i)) continue;
+    ++fired;
     if (meets_own_vehicle(lidar, rays, i)) continue;
     const RayResults& r = pair.simulated;
     out.truth_range.push_back(pair.recorded.range[i]);
@@ -55,6 +62,7 @@ SweepComparison compare_rays(const SweepPair& pair, const LidarModel& lidar, con
     out.origin.push_back((scene_from_lidar * origin).cast<float>());
     out.direction.push_back((scene_from_lidar.rotation * direction).cast<float>());
   }
+  share_own = 1.0 - static_cast<double>(out.range.size()) / static_cast<double>(fired);
   return out;
 }
 
@@ -302,10 +310,8 @@ SweepScore Evaluation::Run::score_sweep(const SweepFrame& frame, ErrorPools& poo
   pool_rays(frame, pair, pools);
   const Shot in_scene = shot.relative_to(of_.scene_.scene.origin);
   SweepScore score;
-  const SweepComparison compared = compare_rays(pair, of_.log_.lidar(frame.lidar).model, in_scene);
-  score.metrics = compare_sweep(compared);
-  score.share_own =
-      1.0 - static_cast<double>(compared.range.size()) / static_cast<double>(pair.recorded.range.size());
+  score.metrics =
+      compare_sweep(compare_rays(pair, of_.log_.lidar(frame.lidar).model, in_scene, score.share_own));
   score.expected_median_m = expected_median_m(pair);
   return score;
 }

@@ -253,6 +253,22 @@ TEST_F(EvaluationTest, ErrorsStandAtTheirOwnRange) {
   EXPECT_EQ(r.ranges[0].returns_of_nothing, 0U);
 }
 
+TEST_F(EvaluationTest, RaysThatAreNeverFiredCountForNothing) {
+  const Scene scene = initial_scene();
+  Log log = log_of(scene, "half.log");
+  const double whole = compare(log, scene, kFull).lidar.raydrop_trivial;
+  Lidar half = log.lidars[0].with_rows();
+  for (LidarRow& row : half.rows) row.every = 2;
+  const std::filesystem::path file = log.folder / log.sweeps[4].file;
+  Sweep sweep = read_sweep(file, log.lidars[0].model);
+  for (std::size_t i = 0; i < sweep.range.size(); ++i) {
+    if (!fires(half, i)) sweep.range[i] = sweep.intensity[i] = 0.0F;
+  }
+  write_sweep(file, sweep);
+  log.lidars[0].model = half;
+  EXPECT_NEAR(compare(log, scene, kFull).lidar.raydrop_trivial, whole, 0.02);  // else half of it
+}
+
 TEST_F(EvaluationTest, KindsPartActorsFromTheBackground) {
   // Boxes that drive beside each other, a wide one and a narrow one within it that is nearer.
   Log log = log_;
