@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
+#include <limits>
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/split.hpp"
@@ -152,8 +153,12 @@ void find_intensity(const Finder& finder, const std::string& asked, CloudFields&
 double time_of(double value, const CloudFields& fields, double stamp_s) {
   if (!fields.time_is_absolute) return value * fields.time_unit_s;
   if (fields.time_unit_s > 0.0) return value * fields.time_unit_s - stamp_s;
-  const double as_s = value - stamp_s, as_ns = value * kNanosecond_s - stamp_s;
-  return std::abs(as_s) < std::abs(as_ns) ? as_s : as_ns;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Unit& unit : kUnits) {
+    const double after_s = value * unit.s - stamp_s;
+    if (std::abs(after_s) < std::abs(nearest)) nearest = after_s;
+  }
+  return nearest;
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 //           t          uint32   ns after the stamp       Ouster
 //           time_stamp uint32   ns after the stamp       Nebula (Autoware)
 //           offset_time uint32  ns after the stamp       Livox
-//           timestamp  float64  s or ns since 1970       Hesai, RoboSense (s), Livox (ns): the nearer
+//           timestamp  float64  s to ns since 1970       Hesai, RoboSense (s), Livox (ns): the nearest
 //   ring    ring, else channel; any unsigned type
 //   intensity  intensity, 0 to 255; of clouds with t: reflectivity, as Ouster's intensity has no upper end
 // For io/import/ros2/*.cpp and tests.

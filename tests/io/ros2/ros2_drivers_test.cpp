@@ -427,6 +427,27 @@ TEST(Ros2Log, CloudsOfATopicMayBeLaidOutOtherwise) {
   }
 }
 
+TEST(Ros2Log, AbsoluteTimesTellTheirUnit) {
+  ros2::PointCloudMessage cloud;
+  cloud.header = {kStart_ns, "lidar"};
+  cloud.height = cloud.width = 1;
+  cloud.fields = {{"x", 0, PointField::kFloat32},
+                  {"y", 4, PointField::kFloat32},
+                  {"z", 8, PointField::kFloat32},
+                  {"timestamp", 12, PointField::kFloat64}};
+  cloud.point_step = cloud.row_step = 20;
+  for (const double per_s : {1.0, 1e3, 1e6, 1e9}) {
+    std::string data(20, '\0');
+    put<float>(data, 0, 5.0);
+    put<double>(data, 12, (1e-9 * static_cast<double>(kStart_ns) + 0.025) * per_s);
+    cloud.data = data;
+    const ros2::CloudFields fields = ros2::find_cloud_fields(cloud, {}, "a.mcap", "/points");
+    const std::vector<ros2::CloudPoint> points = ros2::points_of(cloud, fields, "a.mcap", "/points");
+    ASSERT_EQ(points.size(), 1U);
+    EXPECT_NEAR(points[0].time_s, 0.025, 1e-5) << per_s;
+  }
+}
+
 TEST(Ros2Log, RingsOfSomePointsAloneAreRefused) {
   const Scratch scratch;
   const Log log = street(scratch);
