@@ -363,6 +363,25 @@ TEST_F(EvaluationTest, LabelsThatCannotBeAreTold) {
   EXPECT_NE(warnings[0].find("taxi"), std::string::npos) << warnings[0];
 }
 
+TEST_F(EvaluationTest, LabelsThatTrainingLeftOutAreNotScored) {
+  Log log = log_;
+  Actor wide{"wide", "truck", Eigen::Vector3d(12.0, 12.0, 4.0), {}};
+  for (const double time_s : {0.0, 1.0}) {
+    wide.track.push_back({time_s, {Eigen::Quaterniond::Identity(), {30.0 + 8.0 * time_s, 0.0, 1.0}}});
+  }
+  log.actors = {wide};
+  SceneFile scene = trained_on(log, initial_scene(), {.held_out_every = 3});
+  const auto report = [&] { return Evaluation(test::device(), scene, log, kFull).run(); };
+  EXPECT_GT(report().actor_pixels, 0U);  // of a scene without actors
+  scene.training->settings = {"init.actors=true"};
+  const EvalReport left_out = report();
+  EXPECT_EQ(left_out.actor_pixels, 0U);
+  ASSERT_EQ(left_out.warnings.size(), 1U);
+  EXPECT_NE(left_out.warnings[0].find("wide: left out"), std::string::npos) << left_out.warnings[0];
+  scene.scene.actors = {wide};
+  EXPECT_GT(report().actor_pixels, 0U);
+}
+
 TEST_F(EvaluationTest, RangeBiasesOfTheSceneCorrectRangesAndAreStatedAgain) {
   constexpr double kBias_m = 0.25;
   SceneFile scene = test::file_of(log_, initial_scene());
