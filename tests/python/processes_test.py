@@ -80,17 +80,25 @@ time.sleep(0.7)
 """)
     assert rc == 0 and "terminate" not in said, (call, rc, said)
 
-# Ctrl-C is heard wherever a training or an evaluation is.
-for call in ("simuli.train(sys.argv[2], '/nowhere/x.scene')", "simuli.evaluate(sys.argv[1], sys.argv[2])",
-             "scene.render(simuli.camera('large', 4000, 3000, 2000, 2000, 2000, 1500), time_s=scene.span[0]).image"):
+# Ctrl-C is heard wherever a training or an evaluation is, while what a frame shows is worked out, and while another
+# thread has the device.
+large = "scene.render(simuli.camera('large', 4000, 3000, 2000, 2000, 2000, 1500), time_s=scene.span[0])"
+train = "simuli.train(sys.argv[2], '/nowhere/x.scene')"
+for first, call in (("", train), ("", "simuli.evaluate(sys.argv[1], sys.argv[2])"), ("", large + ".image"),
+                    (f"frame = {large}; frame.image", "frame.normals"),
+                    ("scene = simuli.Scene(sys.argv[1], device=device); threading.Thread(daemon=True, target="
+                     f"lambda: {train[:-1]}, device=device)).start(); time.sleep(0.5)", "scene.render(name, time_s=scene.span[0])")):
     for after in (0.05, 0.3, 0.8):
         said, rc, _ = child(f"""
 scene = simuli.Scene(sys.argv[1])
+(name, *_) = scene.cameras
+device = simuli.Device()
+{first}
 sent = []
 def interrupt():
     sent.append(time.time()); os.kill(os.getpid(), signal.SIGINT)
-threading.Timer({after}, interrupt).start()
 try:
+    threading.Timer({after}, interrupt).start()
     while True: {call}
 except KeyboardInterrupt: print("heard", time.time() - sent[0])
 """)

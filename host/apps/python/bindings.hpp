@@ -1,6 +1,7 @@
 #pragma once
 // What the parts of the module share. NumPy is spoken to through Python's buffer protocol alone: its C
 // interface, which differs between NumPy 1 and 2, is not used.
+#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -42,7 +43,7 @@ namespace py = pybind11;
 }
 
 /// Held while a device is used: its calls release the GIL, and another thread may come in between.
-using DeviceMutex = std::shared_ptr<std::recursive_mutex>;
+using DeviceMutex = std::shared_ptr<std::recursive_timed_mutex>;
 
 /// Releases the GIL for as long as it lives. Threads that come back when the interpreter is leaving stay here:
 /// Python would end them by unwinding, which ends the process. The interpreter waits at its exit for those that
@@ -66,21 +67,27 @@ class GilRelease {
 
 /// Releases the GIL, then waits for the device; for as long as it lives. Recursive, so that a callback of a
 /// training may render. In a forked child, where another thread may have had it for ever, nothing is waited for.
+/// `is_heard`: Ctrl-C is, meanwhile and in what is called then; destructors hear nothing.
 class DeviceLock {
  public:
-  explicit DeviceLock(const DeviceMutex& mutex) : mutex_(mutex), lock_(*mutex_, std::defer_lock) {
-    if (!Device::is_forked()) lock_.lock();
+  explicit DeviceLock(const DeviceMutex& mutex, bool is_heard = true)
+      : mutex_(mutex), lock_(*mutex_, std::defer_lock) {
+    if (is_heard) interruption_.emplace(signals());
+    while (!Device::is_forked() && !lock_.try_lock_for(std::chrono::milliseconds(100))) {
+      if (is_heard) Interruption::ask();
+    }
   }
 
  private:
   GilRelease release_;
   DeviceMutex mutex_;
-  std::unique_lock<std::recursive_mutex> lock_;
+  std::unique_lock<std::recursive_timed_mutex> lock_;
+  std::optional<Interruption> interruption_;
 };
 
 struct PyDevice {
   Device device;
-  DeviceMutex mutex = std::make_shared<std::recursive_mutex>();
+  DeviceMutex mutex = std::make_shared<std::recursive_timed_mutex>();
 };
 /// None: the best there is; a text: Device::best() of it; or a Device.
 [[nodiscard]] PyDevice device_of(const py::object& device);

@@ -1,11 +1,9 @@
 // Frames in Python.
 #include <algorithm>
-#include <chrono>
 #include <cstdint>
 #include <fmt/format.h>
 #include <iterator>
 #include <simuli/opencl.h>
-#include <thread>
 
 #include "host/apps/python/bindings.hpp"
 
@@ -61,17 +59,14 @@ std::uintptr_t number_of(const void* handle) { return reinterpret_cast<std::uint
 }  // namespace
 
 PyFrame::~PyFrame() {
-  const DeviceLock lock(mutex_);
+  const DeviceLock lock(mutex_, false);
   frame_.reset();
 }
 
 void PyFrame::wait() const {
   if (Device::is_forked()) return;  // what the host has is read there, too; the rest refuses
   frame().fetch();
-  while (!frame().is_ready()) {
-    signals()();
-    std::this_thread::sleep_for(std::chrono::microseconds(100));
-  }
+  frame().wait();
 }
 
 std::vector<float> PyFrame::computed(const std::string& name) const {

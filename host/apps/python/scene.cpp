@@ -17,7 +17,6 @@ class PyScene {
           const std::vector<std::string>& settings)
       : device_(device_of(device)) {
     const DeviceLock lock(device_.mutex);
-    const Interruption interruption(signals());
     const RenderOptions options = render_options(quality, settings);
     file_ = read_scene(folder);
     rig_ = SensorRig(file_);
@@ -34,7 +33,7 @@ class PyScene {
   PyScene(const PyScene&) = delete;
   PyScene& operator=(const PyScene&) = delete;
   ~PyScene() {
-    const DeviceLock lock(device_.mutex);
+    const DeviceLock lock(device_.mutex, false);
     support_.reset();
     labels_.reset();
     on_device_.reset();

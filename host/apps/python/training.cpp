@@ -28,7 +28,6 @@ py::dict train(const std::filesystem::path& log,
   Eigen::Index camera_particles = 0, lidar_particles = 0;
   const TrainReport report = [&] {
     const DeviceLock lock(on.mutex);
-    const Interruption interruption(signals());
     const SceneOutput output(scene, overwrite);
     const Log recorded = read_log(log);
     Training training(on.device, recorded, options);
@@ -121,7 +120,6 @@ py::dict evaluate(const std::filesystem::path& scene,
   const PyDevice on = device_of(device);
   const EvalReport r = [&] {
     const DeviceLock lock(on.mutex);
-    const Interruption interruption(signals());
     return Evaluation(on.device, read_scene(scene), read_log(log), options).run();
   }();
   py::dict out;

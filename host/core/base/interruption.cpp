@@ -14,7 +14,8 @@ Interruption::Interruption(const std::function<void()>& check) : before_(std::ex
 Interruption::~Interruption() { asked = before_; }
 
 void Interruption::ask() {
-  if (asked != nullptr) (*asked)();
+  if (is_on()) (*asked)();
 }
+bool Interruption::is_on() { return asked != nullptr; }
 
 }  // namespace simuli

@@ -14,6 +14,8 @@ class Interruption {
 
   /// For the long calls.
   static void ask();
+  /// Whether anything is asked in this thread.
+  [[nodiscard]] static bool is_on();
 
  private:
   const std::function<void()>* before_;

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <system_error>
 #include <thread>
@@ -11,23 +12,35 @@ namespace simuli {
 
 /// Runs f(begin, end) over [0, count) in equal parts on all cores. For work in which each index is handled
 /// alone, so that the split does not show in the result. f must not throw. A part smaller than `smallest` is
-/// not worth a thread. Throws what Interruption::ask() does, before any.
+/// not worth a thread. Throws what Interruption::ask() does, in between.
 template <class F>
 void parallel_ranges(std::size_t count, const F& f, std::size_t smallest = 4096) {
-  Interruption::ask();
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   const std::size_t parts = std::clamp<std::size_t>(count / smallest, 1, cores);
+  std::atomic<bool> is_ended{false};
+  const auto run = [&](std::size_t i, const auto& between) {
+    const std::size_t end = count * (i + 1) / parts, piece = 16 * smallest;
+    for (std::size_t begin = count * i / parts; begin < end && !is_ended; begin += piece) {
+      between();
+      f(begin, std::min(begin + piece, end));
+    }
+  };
   std::vector<std::jthread> threads;
   threads.reserve(parts - 1);
   for (std::size_t i = 1; i < parts; ++i) {
-    const auto part = [&f, i, parts, count] { f(count * i / parts, count * (i + 1) / parts); };
+    const auto part = [&run, i] { run(i, [] {}); };
     try {
       threads.emplace_back(part);
     } catch (const std::system_error&) {  // no memory for another thread's stack
       part();
     }
   }
-  f(0, count / parts);
+  try {
+    run(0, Interruption::ask);
+  } catch (...) {
+    is_ended = true;
+    throw;
+  }
 }
 
 }  // namespace simuli

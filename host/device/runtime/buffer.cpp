@@ -6,8 +6,10 @@
 #include <cstring>
 #include <fmt/format.h>
 
+#include "host/core/base/interruption.hpp"
 #include "host/device/runtime/cl_error.hpp"
 #include "host/device/runtime/device_state.hpp"
+#include "host/device/runtime/pending.hpp"
 
 namespace simuli::detail {
 namespace {
@@ -16,6 +18,8 @@ namespace {
 constexpr std::size_t kMaxFillPatternBytes = 128;
 // Host copies for elements the device can't fill by itself are at most this large.
 constexpr std::size_t kFillChunkBytes = std::size_t{1} << 20U;
+// Written between two looks for an interruption.
+constexpr std::size_t kHeardChunkBytes = std::size_t{1} << 25U;
 
 void need_success(cl_int code, const char* call) {
   if (code != CL_SUCCESS) throw cl::Error(code, call);
@@ -129,6 +133,12 @@ void Memory::need_range(const char* what, std::size_t first, std::size_t count) 
 void Memory::write(std::size_t first, const void* source, std::size_t count) {
   need_range("upload", first, count);
   if (count == 0) return;
+  if (Interruption::is_on()) Event(device_).wait();
+  const std::size_t most = std::max<std::size_t>(kHeardChunkBytes / element_bytes_, 1);
+  if (Interruption::is_on() && count > most) {
+    write(first, source, most);
+    return write(first + most, static_cast<const std::byte*>(source) + most * element_bytes_, count - most);
+  }
   const std::size_t bytes = count * element_bytes_;
   cl_call(
       ErrorKind::kDevice,
@@ -182,6 +192,7 @@ void Memory::queue_rows(
 void Memory::read(std::size_t first, void* target, std::size_t count) const {
   need_range("download", first, count);
   if (count == 0) return;
+  if (Interruption::is_on()) Event(device_).wait();
   const std::size_t bytes = count * element_bytes_;
   cl_call(
       ErrorKind::kDevice,

@@ -1,8 +1,11 @@
 #include "host/device/runtime/pending.hpp"
 
+#include <chrono>
 #include <fmt/format.h>
+#include <thread>
 #include <utility>
 
+#include "host/core/base/interruption.hpp"
 #include "host/device/runtime/cl_error.hpp"
 #include "host/device/runtime/device_state.hpp"
 
@@ -44,6 +47,9 @@ bool Event::is_done() const {
 }
 
 void Event::wait() const {
+  for (; Interruption::is_on() && !is_done(); std::this_thread::sleep_for(std::chrono::microseconds(50))) {
+    Interruption::ask();
+  }
   cl_call(
       ErrorKind::kDevice, [&] { return state_->where(); }, [&] { state_->event.wait(); });
 }
@@ -71,10 +77,8 @@ void start_reading(const detail::Memory& memory, std::size_t bytes, void* target
 
 /// The driver writes until then; errors are told to whoever waits for it, and nothing is written any more.
 void wait_quietly(const Event& done) {
-  try {
-    done.wait();
-  } catch (const Error&) {
-  }
+  cl_event event = done.handle();
+  if (!Device::is_forked()) static_cast<void>(clWaitForEvents(1, &event));
 }
 
 }  // namespace
@@ -108,8 +112,17 @@ Download& Download::operator=(Download&& other) noexcept {
   return *this;
 }
 
+// Where the driver writes stays until it has: frames that nobody wants any more are not waited for.
 Download::~Download() {
-  if (state_) wait_quietly(state_->done);
+  if (!state_ || Device::is_forked() || (state_->floats.empty() && state_->doubles.empty())) return;
+  using Written = std::pair<std::vector<float>, std::vector<double>>;
+  auto written = std::make_unique<Written>(std::move(state_->floats), std::move(state_->doubles));
+  const auto free = [](cl_event, cl_int, void* kept) { delete static_cast<Written*>(kept); };
+  if (clSetEventCallback(state_->done.handle(), CL_COMPLETE, free, written.get()) == CL_SUCCESS) {
+    static_cast<void>(written.release());
+  } else {
+    wait_quietly(state_->done);
+  }
 }
 
 bool Download::is_done() const { return state_->done.is_done(); }

@@ -19,7 +19,7 @@ class Event {
 
   /// Whether it is done; does not wait. Error{kDevice} when it failed.
   [[nodiscard]] bool is_done() const;
-  /// Until it is done. Error{kDevice} when it failed.
+  /// Until it is done, or Interruption::ask() throws. Error{kDevice} when it failed.
   void wait() const;
   /// Borrowed: valid as long as any copy.
   [[nodiscard]] _cl_event* handle() const;
@@ -33,7 +33,7 @@ class Event {
 };
 
 /// The content of a buffer on its way to the host, as it is when everything that was queued before is done;
-/// what is queued later may write to the buffer. Move-only; its destructor waits.
+/// what is queued later may write to the buffer. Move-only.
 class Download {
  public:
   /// Starts it; does not wait.

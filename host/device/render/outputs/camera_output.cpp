@@ -7,6 +7,7 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
+#include "host/core/base/parallel.hpp"
 #include "host/device/render/scene/frame_state.hpp"
 
 namespace simuli {
@@ -109,12 +110,14 @@ class Surface {
 Image normals(const Frame& frame) {
   const Surface surface(frame);
   Image out(frame.sensor().camera().width, frame.sensor().camera().height, 3);
-  for (int y = 0; y < out.height; ++y) {
-    for (int x = 0; x < out.width; ++x) {
+  const auto width = static_cast<std::size_t>(out.width);
+  parallel_ranges(width * static_cast<std::size_t>(out.height), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto x = static_cast<int>(i % width), y = static_cast<int>(i / width);
       const Eigen::Vector3f n = surface.normal(x, y);
       for (int c = 0; c < 3; ++c) out.at(x, y, c) = n[c];
     }
-  }
+  });
   return out;
 }
 

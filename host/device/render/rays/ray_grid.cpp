@@ -6,6 +6,7 @@
 
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 #include "host/device/render/rays/ray_slots.hpp"
 
 namespace simuli {
@@ -114,6 +115,7 @@ RayGrid make_ray_grid(const Camera& camera, const RayOptions& options) {
   grid.tile_rows.push_back(frame.rows);
   double lowest_cosine = 1.0;  // of the cone about the optical axis that holds all rays
   for (int y = 0; y < camera.height; ++y) {
+    Interruption::ask();
     for (int x = 0; x < camera.width; ++x) {
       const std::size_t tile = static_cast<std::size_t>(y / SIM_SLOT_ROWS) * frame.tiles_x +
                                static_cast<std::size_t>(x / SIM_SLOT_ROW);

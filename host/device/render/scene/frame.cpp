@@ -68,6 +68,7 @@ const RayResults& Frame::results() const {
   State& s = *state_;
   if (s.results) return *s.results;
   fetch();
+  wait();  // may be interrupted; what comes is taken once
   const std::vector<float> outputs = s.outputs_coming->take();
   const std::vector<float> picture = s.graded ? s.picture_coming->take() : std::vector<float>{};
   s.results = results_of(s.rays.grid(), outputs, picture, s.background, s.has_median);

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "host/core/base/interruption.hpp"
 #include "host/device/render/rays/ray_grid.hpp"
 #include "host/device/render/scene/slot_results.hpp"
 
@@ -31,6 +32,7 @@ RayResults results_of(const RayGrid& grid,
                                            &results.median,
                                            &results.drop_logit};
   for (std::size_t row = 0; row < SIM_OUTPUTS; ++row) {
+    Interruption::ask();
     if (row == SIM_O_MEDIAN && !has_median) continue;
     if (row == SIM_O_DROP && grid.type != SensorType::kLidar) continue;
     const float empty = row < SIM_O_TRANSMITTANCE    ? background[row]
