@@ -24,6 +24,7 @@ struct Line {
 };
 constexpr std::array kLines{
     Line{"PSNR dB / SSIM", "psnr_db", 1.0, 1, "ssim", 1.0, 2},
+    Line{"FLIP", "flip", 1.0, 3},
     Line{"LiDAR distance error, median cm", "distance_median_m", 100.0, 1},
     Line{"MedL2, m2 / MeanRelL2", "medl2_m2", 1.0, 5, "mean_rel_l2", 1.0, 3},
     Line{"ray-drop decisions right / if every ray returned",
@@ -90,6 +91,7 @@ std::vector<std::pair<std::string, double>> values_of(const EvalReport& r,
           {"image_height_px", r.image_height},
           {"psnr_db", r.psnr_db},
           {"ssim", r.ssim},
+          {"flip", r.flip},
           {"distance_median_m", r.lidar.distance_median_m},
           {"medl2_m2", r.lidar.medl2_m2},
           {"mean_rel_l2", r.lidar.mean_rel_l2},

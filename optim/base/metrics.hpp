@@ -19,6 +19,12 @@ namespace simuli {
 /// 11 pixels.
 [[nodiscard]] double ssim(const Image& rendered, const Image& truth);
 
+/// FLIP (Andersson et al. 2020), mean over the pixels that are known: how different both look, 0 to 1, to who looks at 67
+/// pixels a degree. NaN for other than three channels.
+[[nodiscard]] double flip(const Image& rendered, const Image& truth);
+/// Error{kInput} of `metric` unless both have one size, of sides of `min_side_px` or more, and the values for it.
+void check_pair(const char* metric, const Image& rendered, const Image& truth, int min_side_px);
+
 /// One simulated sweep beside the recorded one, ray by ray. Range 0 in `truth_range`: no return.
 struct SweepComparison {
   std::vector<float> range;      // m, simulated

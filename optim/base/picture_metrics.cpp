@@ -22,25 +22,6 @@ std::string size_of(const Image& image) {
   return fmt::format("{}x{}x{}", image.width, image.height, image.channels);
 }
 
-void check_pair(const char* metric, const Image& rendered, const Image& truth, int min_side_px) {
-  for (const Image* image : {&rendered, &truth}) {
-    const bool shape = image->width >= min_side_px && image->height >= min_side_px && image->channels >= 1;
-    if (!shape) {
-      throw_input_error(
-          metric, "picture size", size_of(*image), fmt::format("sides of {} px or more", min_side_px));
-    }
-    const std::size_t values = static_cast<std::size_t>(image->width) *
-                               static_cast<std::size_t>(image->height) *
-                               static_cast<std::size_t>(image->channels);
-    if (image->data.size() != values) {
-      throw_input_error(metric, "picture values", std::to_string(image->data.size()), std::to_string(values));
-    }
-  }
-  const bool equal =
-      rendered.width == truth.width && rendered.height == truth.height && rendered.channels == truth.channels;
-  if (!equal) throw_input_error(metric, "size of the rendered picture", size_of(rendered), size_of(truth));
-}
-
 std::array<double, kWindow_px> gaussian_window() {
   std::array<double, kWindow_px> weights{};
   double sum = 0.0;
@@ -102,6 +83,25 @@ double ssim_of(const Moments& m) {
 }
 
 }  // namespace
+
+void check_pair(const char* metric, const Image& rendered, const Image& truth, int min_side_px) {
+  for (const Image* image : {&rendered, &truth}) {
+    const bool shape = image->width >= min_side_px && image->height >= min_side_px && image->channels >= 1;
+    if (!shape) {
+      throw_input_error(
+          metric, "picture size", size_of(*image), fmt::format("sides of {} px or more", min_side_px));
+    }
+    const std::size_t values = static_cast<std::size_t>(image->width) *
+                               static_cast<std::size_t>(image->height) *
+                               static_cast<std::size_t>(image->channels);
+    if (image->data.size() != values) {
+      throw_input_error(metric, "picture values", std::to_string(image->data.size()), std::to_string(values));
+    }
+  }
+  const bool equal =
+      rendered.width == truth.width && rendered.height == truth.height && rendered.channels == truth.channels;
+  if (!equal) throw_input_error(metric, "size of the rendered picture", size_of(rendered), size_of(truth));
+}
 
 double psnr_db(const Image& rendered, const Image& truth) {
   check_pair("psnr_db", rendered, truth, 1);

@@ -48,6 +48,7 @@ struct FrameScore {
 struct PictureScore : FrameScore {
   double psnr_db = kNoNumber;
   double ssim = kNoNumber;
+  double flip = kNoNumber;
   double psnr_corrected_db = kNoNumber;
 };
 struct SweepScore : FrameScore {
@@ -63,6 +64,7 @@ struct EvalScores {
   std::size_t sweeps = 0;
   double psnr_db = kNoNumber;
   double ssim = kNoNumber;
+  double flip = kNoNumber;
   double psnr_corrected_db = kNoNumber;           // once the best affine transform corrects each one's tint
   SweepMetrics lidar;                             // of best_distance()
   double distance_expected_median_m = kNoNumber;  // the same median error with expected distances alone

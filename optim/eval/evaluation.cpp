@@ -278,6 +278,7 @@ PictureScore Evaluation::Run::score_picture(const ImageFrame& frame, ErrorPools&
   PictureScore score;
   score.psnr_db = psnr_db(rendered, truth);
   score.ssim = ssim(rendered, truth);
+  score.flip = flip(rendered, truth);
   score.psnr_corrected_db = psnr_corrected_db(rendered, truth);
   pool_pixels(frame, rendered, truth, pools);
   return score;

@@ -99,6 +99,7 @@ void ScoreSums::add(const PictureScore& score, const ErrorPools& pools) {
   ++images_;
   psnr_.add(score.psnr_db);
   ssim_.add(score.ssim);
+  flip_.add(score.flip);
   psnr_corrected_.add(score.psnr_corrected_db);
   pools_.add(pools);
 }
@@ -117,6 +118,7 @@ EvalScores ScoreSums::scores() const {
   out.sweeps = sweeps_;
   out.psnr_db = psnr_.value();
   out.ssim = ssim_.value();
+  out.flip = flip_.value();
   out.psnr_corrected_db = psnr_corrected_.value();
   for (std::size_t m = 0; m < kMetrics.size(); ++m) out.lidar.*kMetrics[m] = sweep_means_[m].value();
   out.distance_expected_median_m = expected_.value();

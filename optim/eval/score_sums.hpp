@@ -69,7 +69,7 @@ class ScoreSums {
 
   std::vector<std::string> kinds_;
   std::size_t images_ = 0, sweeps_ = 0;
-  Mean psnr_, ssim_, psnr_corrected_, expected_, own_;
+  Mean psnr_, ssim_, flip_, psnr_corrected_, expected_, own_;
   std::array<Mean, kSweepMetrics> sweep_means_;
   ErrorPools pools_;
 };

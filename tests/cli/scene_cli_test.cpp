@@ -283,6 +283,7 @@ TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {
   const nlohmann::json report = nlohmann::json::parse(eval.out);
   for (const char* key : {"psnr_db",
                           "ssim",
+                          "flip",
                           "distance_median_m",
                           "medl2_m2",
                           "mean_rel_l2",

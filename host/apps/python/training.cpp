@@ -67,6 +67,7 @@ void put_scores(py::dict& out, const EvalScores& r) {
   out["sweeps"] = r.sweeps;
   out["psnr_db"] = r.psnr_db;
   out["ssim"] = r.ssim;
+  out["flip"] = r.flip;
   out["psnr_corrected_db"] = r.psnr_corrected_db;
   out["distance_median_m"] = r.lidar.distance_median_m;
   out["distance_expected_median_m"] = r.distance_expected_median_m;

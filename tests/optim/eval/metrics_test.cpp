@@ -103,6 +103,51 @@ TEST(Psnr, IdenticalPicturesAreInfinite) {
   EXPECT_EQ(psnr_db(image, image), std::numeric_limits<double>::infinity());
 }
 
+/// 48 x 32 px.
+template <class At>
+Image picture(const At& at) {
+  Image image(48, 32, 3);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int k = 0; k < 3; ++k) image.at(x, y, k) = static_cast<float>(at(x, y, k));
+    }
+  }
+  return image;
+}
+
+// Values of its authors' program (flip-evaluator 1.7) of the same pictures.
+TEST(Flip, IsThatOfItsAuthors) {
+  const auto wave = [](int x, int y, int k) { return 0.5 + 0.4 * std::sin(0.37 * x + 0.11 * (k + 1) * y); };
+  const auto disc = [](int x, int y, int k) {
+    return (x - 24) * (x - 24) + (y - 16) * (y - 16) < 100 ? 0.9 : 0.1 + 0.1 * k;
+  };
+  const Image truth = picture(wave);
+  const auto against = [&](const auto& at) { return flip(picture(at), truth); };
+  constexpr double kTheirFloats = 2e-5;
+  EXPECT_NEAR(against([&](int x, int y, int k) { return wave(x - 1, y, k); }), 0.4539427, kTheirFloats);
+  EXPECT_NEAR(against([&](int x, int y, int k) { return (1.0 - 0.05 * k * (k + 1)) * wave(x, y, k); }),
+              0.4838561,
+              kTheirFloats);
+  EXPECT_NEAR(against([](int, int, int) { return 0.5; }), 0.8164675, kTheirFloats);
+  EXPECT_NEAR(against([&](int x, int y, int k) { return 1.0 - wave(x, y, k); }), 0.9083958, kTheirFloats);
+  EXPECT_NEAR(flip(picture([&](int x, int y, int k) { return disc(x - 1, y, k); }), picture(disc)),
+              0.0807104,
+              kTheirFloats);
+  EXPECT_EQ(flip(truth, truth), 0.0);
+}
+
+TEST(Flip, LeavesOutWhatIsNotKnown) {
+  Image truth = noise(48, 32, 3, 9), rendered = noise(48, 32, 3, 10);
+  std::copy_n(truth.data.begin() + 20 * 48 * 3, 12 * 48 * 3, rendered.data.begin() + 20 * 48 * 3);
+  const double whole = flip(rendered, truth);
+  std::fill_n(truth.data.begin(), 30 * 48 * 3, -1.0F);
+  EXPECT_GT(whole, 0.1);
+  EXPECT_LT(flip(rendered, truth), 1e-6);  // what is left is alike, and what is beside it is not looked at
+  std::fill(truth.data.begin(), truth.data.end(), -1.0F);
+  EXPECT_TRUE(std::isnan(flip(rendered, truth)));
+  EXPECT_TRUE(std::isnan(flip(constant(12, 0.5F), constant(12, 0.5F))));
+}
+
 TEST(PsnrCorrected, SeesNoTint) {
   const Image truth = noise(16, 12, 3, 5);
   Image tinted = truth, noisy = truth;

@@ -22,6 +22,7 @@ std::vector<std::string> score_cells(const std::string& name, const EvalScores& 
           number_text(s.psnr_db, 2),
           number_text(s.psnr_corrected_db, 2),
           number_text(s.ssim, 4),
+          number_text(s.flip, 4),
           number_text(100.0 * s.lidar.distance_median_m, 2),
           number_text(s.lidar.mean_rel_l2, 4),
           number_text(100.0 * s.lidar.raydrop_accuracy, 2),
@@ -36,6 +37,7 @@ TextTable table_of_scores(const char* title) {
            {"PSNR dB", Better::kHigher},
            {"corrected dB", Better::kHigher},
            {"SSIM", Better::kHigher},
+           {"FLIP", Better::kLower},
            {"median cm", Better::kLower},
            {"rel. L2", Better::kLower},
            {"drop right %", Better::kHigher},
@@ -168,6 +170,7 @@ Json json_of(const EvalScores& s) {
   for (const KindScores& kind : s.kinds) kinds.push_back(json_of(kind));
   return {{"psnr_db", s.psnr_db},
           {"ssim", s.ssim},
+          {"flip", s.flip},
           {"psnr_corrected_db", s.psnr_corrected_db},
           {"distance_median_m", l.distance_median_m},
           {"distance_expected_median_m", s.distance_expected_median_m},
@@ -202,6 +205,7 @@ Json json_of(const PictureScore& s) {
           {"time_s", s.time_s},
           {"psnr_db", s.psnr_db},
           {"ssim", s.ssim},
+          {"flip", s.flip},
           {"psnr_corrected_db", s.psnr_corrected_db}};
 }
 

@@ -278,6 +278,7 @@ std::vector<ScoreLine> metric_lines(const EvalReport& r) {
   lines.push_back(psnr_line(r.psnr_db));
   line("  each picture's tint corrected", number_text(r.psnr_corrected_db, 2), "dB", kHigher);
   lines.push_back(ssim_line(r.ssim));
+  line("FLIP", number_text(r.flip, 4), "", kLower);
   lines.push_back(distance_line(l.distance_median_m));
   line("  of expected distances", number_text(r.distance_expected_median_m * 100.0, 2), "cm", kLower);
   line("distance error, median squared", number_text(l.medl2_m2, 6), "m^2", kLower);
