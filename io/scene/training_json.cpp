@@ -68,6 +68,7 @@ Json to_json(const TrainingRecord& r) {
           {"held_out_sensors", r.frames.held_out_sensors},
           {"held_out_by_sensor", r.frames.counts_by_sensor},
           {"sensors", sensors},
+          {"labels_left_out", r.labels_left_out},
           {"seed", r.frames.seed},
           {"iterations", r.iterations},
           {"planned_iterations", r.planned_iterations},
@@ -102,6 +103,7 @@ TrainingRecord training_from_json(JsonObject& object) {
       return SensorUse{sensor.text("sensor"), count("training"), count("held_out")};
     });
   }
+  if (object.has("labels_left_out")) r.labels_left_out = read_lines(object, "labels_left_out");
   r.frames.seed = read_seed(object, "seed");
   r.iterations = static_cast<int>(object.integer("iterations", 0, kMost));
   r.planned_iterations = static_cast<int>(object.integer("planned_iterations", 0, kMost));

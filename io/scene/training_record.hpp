@@ -40,10 +40,11 @@ struct TrainingRecord {
   std::string log_name = {};
   std::string log_hash = {};  // io/log/log.hpp
   FrameSelection frames = {};
-  std::vector<SensorUse> sensors = {};     // what that made of each one's frames; empty: not told
-  int iterations = 0;                      // done
-  int planned_iterations = 0;              // that the learning rates were made for
-  std::string quality = {};                // the bundle that render.* are; "custom": none
+  std::vector<SensorUse> sensors = {};            // what that made of each one's frames; empty: not told
+  std::vector<std::string> labels_left_out = {};  // actors of the log that it took for none
+  int iterations = 0;                             // done
+  int planned_iterations = 0;                     // that the learning rates were made for
+  std::string quality = {};                       // the bundle that render.* are; "custom": none
   std::vector<std::string> settings = {};  // "key=value" of every option, as "simuli train --set" takes them
   std::string version = {};                // of simuli
   std::string device = {};

@@ -14,7 +14,6 @@
 #include "host/device/render/options/validate.hpp"
 #include "io/log/frame_files.hpp"
 #include "io/log/mended_labels.hpp"
-#include "optim/actors/finding_options.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/returns_near.hpp"
@@ -89,14 +88,10 @@ bool same_path(const Trajectory& a, const Trajectory& b) {
                     });
 }
 
-/// Labels of moving things that a training with actors left out: the scene has nobody there.
-void leave_out_lacking(const SceneFile& scene, Log& log, std::vector<std::string>& told) {
-  const std::vector<std::string>& settings = scene.training->settings;
-  if (std::find(settings.begin(), settings.end(), "init.actors=true") == settings.end()) return;
+/// Labels that the scene's training took for none: nobody is there.
+void leave_out(const std::vector<std::string>& names, Log& log, std::vector<std::string>& told) {
   std::erase_if(log.actors, [&](const Actor& label) {
-    const auto is_it = [&](const Actor& held) { return held.name == label.name; };
-    const std::vector<Actor>& held = scene.scene.actors;
-    if (label.travel_m() < kLeastFoundTravel_m || std::any_of(held.begin(), held.end(), is_it)) return false;
+    if (std::find(names.begin(), names.end(), label.name) == names.end()) return false;
     told.push_back(
         fmt::format("label {}: left out by the scene's training: not scored as an actor", label.name));
     return true;
@@ -107,7 +102,7 @@ void leave_out_lacking(const SceneFile& scene, Log& log, std::vector<std::string
 /// trained on its path and the actors that it has. Training may have learned better.
 Log as_known_by(const SceneFile& scene, bool trained_on, Log log, std::vector<std::string>& mended) {
   mended = mend_labels(log);
-  if (trained_on) leave_out_lacking(scene, log, mended);
+  if (trained_on) leave_out(scene.training->labels_left_out, log, mended);
   if (trained_on && !same_path(scene.world_from_rig, log.world_from_rig)) {
     log = on_path(std::move(log), scene.world_from_rig);
   }

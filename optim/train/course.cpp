@@ -40,8 +40,10 @@ std::string TrainingDrive::identity() const {
 void TrainingDrive::find_moving(const Log& seen, const FrameSelection& frames) {
   if (!options.find_actors || !options.init.actors) return;
   FoundActors found = find_actors(seen, frames, options.actors);
-  for (const std::string& name : found.standing)
+  for (const std::string& name : found.standing) {
     report.labels.push_back(fmt::format("label {}: what is in it stands while it drives: left out", name));
+    report.left_out.push_back(name);
+  }
   CompletedActors completed = complete_actors(std::move(log.actors), found);
   log.actors = std::move(completed.actors);
   found.report.added = completed.added;

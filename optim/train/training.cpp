@@ -149,6 +149,7 @@ SceneFile Training::State::completed(SceneFile file) const {
                                  .log_hash = drive.log_hash,
                                  .frames = o.frames,
                                  .sensors = sensor_uses(drive.log, HeldOutRule(drive.log, o.frames)),
+                                 .labels_left_out = drive.report.left_out,
                                  .iterations = course->status().iteration,
                                  .planned_iterations = course->status().planned,
                                  .quality = quality_of(o.train.render),

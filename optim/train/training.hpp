@@ -24,8 +24,9 @@ namespace simuli {
 struct TrainingReport {
   StretchPlan stretches;
   PathReport path;
-  FindReport found;                 // zeros: not searched
-  std::vector<std::string> labels;  // a line for each that was mended (mended_labels.hpp): warnings, too
+  FindReport found;                   // zeros: not searched
+  std::vector<std::string> labels;    // a line for each that was mended (mended_labels.hpp): warnings, too
+  std::vector<std::string> left_out;  // names of labels that were
   InitReport init;
   TrainReport train;
 };

@@ -78,7 +78,9 @@ TEST_F(TrainingTest, TheSceneSaysHowItWasMade) {
   o.train.densify.cap = 12345;
   Training training(test::device(), log_, o);
   training.run();
-  const SceneFile made = training.result();
+  SceneFile made = training.result();
+  EXPECT_TRUE(made.training->labels_left_out.empty());
+  made.training->labels_left_out = {"wide"};
   write_scene(folder_ / "made.scene", made);
   const SceneFile read = read_scene(folder_ / "made.scene");
   ASSERT_TRUE(read.training.has_value());
@@ -94,6 +96,7 @@ TEST_F(TrainingTest, TheSceneSaysHowItWasMade) {
   EXPECT_NE(std::find(record.settings.begin(), record.settings.end(), "densify.cap=12345"),
             record.settings.end());
   EXPECT_EQ(record.settings, made.training->settings);
+  EXPECT_EQ(record.labels_left_out, made.training->labels_left_out);
   EXPECT_EQ(record.device, test::device().info().label());
   EXPECT_EQ(record.driver, test::device().info().driver_version);
   EXPECT_FALSE(record.version.empty());
