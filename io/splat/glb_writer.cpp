@@ -1,10 +1,10 @@
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/srgb.hpp"
 #include "host/core/base/version.hpp"
 #include "io/base/bytes.hpp"
 #include "io/splat/glb.hpp"
@@ -21,12 +21,6 @@ constexpr std::size_t kMostBytes = 0xffffffffU;
 
 void append_float(std::string& to, float value) {
   append_little_endian(to, std::bit_cast<std::uint32_t>(value), 4);
-}
-
-/// The transfer function of sRGB (IEC 61966-2-1), from the picture's numbers to light.
-float linear_of(float encoded) {
-  const float x = std::clamp(encoded, 0.0F, 1.0F);
-  return x <= 0.04045F ? x / 12.92F : std::pow((x + 0.055F) / 1.055F, 2.4F);
 }
 
 /// The one mesh of a file as it grows: what its attributes are, and their bytes.

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "host/core/base/srgb.hpp"
 #include "optim/base/metrics.hpp"
 
 namespace simuli {
@@ -98,15 +99,14 @@ Planes seen(const Planes& opponent) {
   struct Gaussian {
     double a, b;
   };
-  constexpr std::array<std::array<Gaussian, 2>, 3> kSensitivity{
-      {{{{1.0, 0.0047}, {0.0, 1e-5}}}, {{{1.0, 0.0053}, {0.0, 1e-5}}}, {{{34.1, 0.04}, {13.5, 0.025}}}}};
+  const std::array<std::vector<Gaussian>, 3> sensitivity{
+      {{{1.0, 0.0047}}, {{1.0, 0.0053}}, {{34.1, 0.04}, {13.5, 0.025}}}};
   const int radius = static_cast<int>(std::ceil(3.0 * std::sqrt(0.04 / (2.0 * pi * pi)) * kPixelsPerDegree));
   Planes out;
   for (std::size_t k = 0; k < 3; ++k) {
     out[k] = Plane::Zero(opponent[k].rows(), opponent[k].cols());
     double whole = 0.0;
-    for (const auto& [a, b] : kSensitivity[k]) {
-      if (a == 0.0) continue;
+    for (const auto& [a, b] : sensitivity[k]) {
       const Kernel kernel = kernel_of(
           radius, [b = b](double i) { return std::exp(-std::pow(pi * i / kPixelsPerDegree, 2) / b); });
       double sum = 0.0;
@@ -148,9 +148,8 @@ Planes linear(const Image& image, const Image& truth) {
     plane.resize(image.width, image.height);
     for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < image.width; ++x)
-        plane(x, y) = truth.at(x, y, 0) < 0.0F ? 0.0F : std::clamp(image.at(x, y, k), 0.0F, 1.0F);
+        plane(x, y) = truth.at(x, y, 0) < 0.0F ? 0.0F : linear_of(image.at(x, y, k));
     }
-    plane = (plane <= 0.04045F).select(plane / 12.92F, ((plane + 0.055F) / 1.055F).pow(2.4F));
   }
   return out;
 }
