@@ -232,22 +232,26 @@ class MountingSearch {
 
 }  // namespace
 
-double edges_apart_px(const std::vector<CameraView>& views,
-                      const LogCamera& camera,
-                      double time_offset_s,
-                      const Trajectory& world_from_rig,
-                      const LidarScene& scene,
-                      const CameraPoseOptions& options) {
-  const MountingState state{PoseBlock(camera.rig_from_camera), time_offset_s};
+std::array<double, 2> edges_apart_px(const std::vector<CameraView>& views,
+                                     const LogCamera& camera,
+                                     const std::array<Mounting, 2>& mountings,
+                                     const Trajectory& world_from_rig,
+                                     const LidarScene& scene,
+                                     const CameraPoseOptions& options) {
   const EdgeMatcher matcher(views, camera, world_from_rig, scene.edges, options);
-  double sum_px = 0.0;
-  std::size_t in_view = 0;
-  for (const Match& m : matcher.find(state, kFarEdge_px)) {
-    if (!m.in_view) continue;
-    ++in_view;
-    sum_px += m.found ? std::min(std::abs(distance_px(m.line, state)), kFarEdge_px) : kFarEdge_px;
+  std::array<double, 2> out{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const MountingState state{PoseBlock(mountings[i].rig_from_camera), mountings[i].time_offset_s};
+    double sum_px = 0.0;
+    std::size_t in_view = 0;
+    for (const Match& m : matcher.find(state, kFarEdge_px)) {
+      if (!m.in_view) continue;
+      ++in_view;
+      sum_px += m.found ? std::min(std::abs(distance_px(m.line, state)), kFarEdge_px) : kFarEdge_px;
+    }
+    out[i] = in_view == 0 ? kFarEdge_px : sum_px / static_cast<double>(in_view);
   }
-  return in_view == 0 ? kFarEdge_px : sum_px / static_cast<double>(in_view);
+  return out;
 }
 
 CameraPoseReport find_camera_pose(const std::vector<CameraView>& views,

@@ -3,6 +3,7 @@
 // lie on edges of the pictures, then from the texture that both sensors see. The path of the rig and the
 // lens are given.
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <functional>
 #include <numbers>
@@ -74,15 +75,25 @@ struct CameraPoseReport {
     const CameraPoseOptions& options = {},
     const std::function<void(std::size_t, std::size_t)>& progress = {});
 
-/// Mean distance of depth edges in view from the pictures' nearest, px, of each at most kFarEdge_px: with that
-/// mounting of the camera, and that offset added to the pictures' times. Errors as find_camera_pose().
+/// Mean distance of depth edges in view from the pictures' nearest, px, of each at most kFarEdge_px: under each
+/// of two mountings of the camera. Errors as find_camera_pose().
 inline constexpr double kFarEdge_px = 3.0;
-[[nodiscard]] double edges_apart_px(const std::vector<CameraView>& views,
-                                    const LogCamera& camera,
-                                    double time_offset_s,
-                                    const Trajectory& world_from_rig,
-                                    const LidarScene& scene,
-                                    const CameraPoseOptions& options = {});
+[[nodiscard]] std::array<double, 2> edges_apart_px(const std::vector<CameraView>& views,
+                                                   const LogCamera& camera,
+                                                   const std::array<Mounting, 2>& mountings,
+                                                   const Trajectory& world_from_rig,
+                                                   const LidarScene& scene,
+                                                   const CameraPoseOptions& options = {});
+
+/// Error{kNumeric} unless pictures that `whose` estimate has not seen are nearer to what the LiDAR saw with what it
+/// found than with what was given: their edges to depth edges and, where it tells, their texture to the returns'.
+void need_better(const std::vector<CameraView>& views,
+                 const LogCamera& given,
+                 const Mounting& found,
+                 const std::string& whose,
+                 const Trajectory& world_from_rig,
+                 const LidarScene& scene,
+                 const CameraPoseOptions& options = {});
 
 /// A mounting that was given right is moved neither by noise nor to where its pictures fit less well: where the
 /// report's mounting and clock are within two of its standard deviations of what was given that is taken
@@ -92,8 +103,8 @@ void settle(const LogCamera& given, CameraPoseReport& report);
 
 /// Reads the pictures (at most `most_views`, evenly taken) and the sweeps of a log; what the camera's masks
 /// hide of the pictures is left out. Both halves of the drive are asked by themselves, too: Error{kNumeric}
-/// where they disagree, or where a mounting that is not as given fits the pictures of the other half less well.
-/// Then settle(). Error{kInput} for a picture of another size than the camera's.
+/// where they disagree, and for a mounting that is not as given where the pictures are too few for it, or where
+/// the other half's do not need_better(). Then settle(). Error{kInput} for a picture of another size than the camera's.
 [[nodiscard]] CameraPoseReport find_camera_pose(
     const Log& log,
     const std::string& camera,

@@ -28,6 +28,11 @@ namespace {
 
 constexpr std::size_t kLeastViews = 16;  // that halves of a drive are worth comparing
 
+[[noreturn]] void refuse(const LogCamera& given, const std::string& reason) {
+  throw Error(ErrorKind::kNumeric,
+              fmt::format("mounting of camera {}: not determined: {}", given.model.name, reason));
+}
+
 /// Of one thing that is told twice.
 template <class Vector>
 void widen(Vector& sigma, const Eigen::Vector3d& apart) {
@@ -52,29 +57,20 @@ void ask_halves(std::vector<CameraView> views,
                 CameraPoseOptions options,
                 const std::function<void(std::size_t, std::size_t)>& progress,
                 CameraPoseReport& report) {
-  constexpr double kWorse = 1.05;  // a right mounting that is found again is a little beside itself
-  options.with_clock = false;      // what the whole says of it is believed
-  for (CameraView& view : views) {
-    view.exposure_start_s += report.time_offset_s;
-    view.exposure_end_s += report.time_offset_s;
-  }
+  options.with_clock = report.time_known;  // where the whole can't tell it no half can
   const auto middle = views.begin() + static_cast<std::ptrdiff_t>(views.size() / 2);
   const std::vector<CameraView> second(std::make_move_iterator(middle), std::make_move_iterator(views.end()));
   views.erase(middle, views.end());
   const std::array<const std::vector<CameraView>*, 2> halves{&views, &second};
-  const auto refuse = [&](const std::string& reason) {
-    throw Error(ErrorKind::kNumeric,
-                fmt::format("mounting of camera {}: not determined: {}", given.model.name, reason));
-  };
-  std::array<LogCamera, 2> by_half{given, given};
+  std::array<Mounting, 2> by_half;
   for (std::size_t i = 0; i < 2; ++i) {
     with_context(i == 0 ? "asking the drive's first half" : "asking the drive's second half", [&] {
-      by_half[i].rig_from_camera =
-          find_camera_pose(*halves[i], given, world_from_rig, scene, options, progress).rig_from_camera;
+      const CameraPoseReport half =
+          find_camera_pose(*halves[i], given, world_from_rig, scene, options, progress);
+      by_half[i] = {half.rig_from_camera, half.time_offset_s};
     });
   }
-  const MountingStep apart =
-      step_between({by_half[0].rig_from_camera, 0.0}, {by_half[1].rig_from_camera, 0.0});
+  const MountingStep apart = step_between(by_half[0], by_half[1]);
   report.halves_apart_m = apart.head<3>();
   report.halves_apart_rad = apart.segment<3>(3);
   widen(report.translation_sigma_m, *report.halves_apart_m);
@@ -82,41 +78,54 @@ void ask_halves(std::vector<CameraView> views,
   const double apart_m = report.halves_apart_m->lpNorm<Eigen::Infinity>();
   const double apart_rad = report.halves_apart_rad->lpNorm<Eigen::Infinity>();
   if (apart_m > 2.0 * kWorstTranslation_m || apart_rad > 2.0 * kWorstRotation_rad) {
-    refuse(
-        fmt::format("halves of the drive put it up to {:.3f} m and {:.2f} deg apart, allowed {:.3f} m and "
-                    "{:.2f} deg, along and about each axis",
-                    apart_m,
-                    apart_rad / kDegree,
-                    2.0 * kWorstTranslation_m,
-                    2.0 * kWorstRotation_rad / kDegree));
+    refuse(given,
+           fmt::format("halves of the drive put it up to {:.3f} m and {:.2f} deg apart, allowed {:.3f} m and "
+                       "{:.2f} deg, along and about each axis",
+                       apart_m,
+                       apart_rad / kDegree,
+                       2.0 * kWorstTranslation_m,
+                       2.0 * kWorstRotation_rad / kDegree));
   }
   if (is_as_given(report, given)) return;
   for (std::size_t i = 0; i < 2; ++i) {
-    const std::vector<CameraView>& other = *halves[1 - i];
-    const double found_px = edges_apart_px(other, by_half[i], 0.0, world_from_rig, scene, options);
-    const double given_px = edges_apart_px(other, given, 0.0, world_from_rig, scene, options);
-    if (found_px > kWorse * given_px) {
-      refuse(fmt::format(
-          "what the {} half of the drive asks for puts depth edges {:.3f} px from those of the other "
-          "half's pictures, allowed at most the {:.3f} px with what was given",
-          i == 0 ? "first" : "second",
-          found_px,
-          given_px));
-    }
+    const char* whose = i == 0 ? "the first half of the drive" : "the second half of the drive";
+    need_better(*halves[1 - i], given, by_half[i], whose, world_from_rig, scene, options);
   }
 }
 
 }  // namespace
 
+void need_better(const std::vector<CameraView>& views,
+                 const LogCamera& given,
+                 const Mounting& found,
+                 const std::string& whose,
+                 const Trajectory& world_from_rig,
+                 const LidarScene& scene,
+                 const CameraPoseOptions& options) {
+  const std::array<Mounting, 2> mountings{found, Mounting{given.rig_from_camera, 0.0}};
+  const auto edges_px = edges_apart_px(views, given, mountings, world_from_rig, scene, options);
+  const auto texture =
+      texture_of(views, given.model, world_from_rig, scene.surfaces, scene.spacing_rad, mountings);
+  if (edges_px[0] < edges_px[1] && (!texture || (*texture)[0] > (*texture)[1])) return;
+  const std::string of_texture = fmt::format("; correlation of texture {:.3f}, allowed above {:.3f}",
+                                             texture ? (*texture)[0] : 0.0,
+                                             texture ? (*texture)[1] : 0.0);
+  refuse(
+      given,
+      fmt::format("pictures that {} has not seen speak against what it asks for: depth edges {:.3f} px from "
+                  "theirs, allowed below the {:.3f} px with what was given{}",
+                  whose,
+                  edges_px[0],
+                  edges_px[1],
+                  texture ? of_texture : ""));
+}
+
 void settle(const LogCamera& given, CameraPoseReport& report) {
-  const auto refuse = [&](const std::string& reason) {
-    throw Error(ErrorKind::kNumeric,
-                fmt::format("mounting of camera {}: not determined: {}", given.model.name, reason));
-  };
   const double sigma_m = report.translation_sigma_m.maxCoeff(),
                sigma_rad = report.rotation_sigma_rad.maxCoeff();
   if (!(sigma_m <= kWorstTranslation_m && sigma_rad <= kWorstRotation_rad)) {
-    refuse(fmt::format("standard deviations found {:.3f} m and {:.2f} deg, allowed {:.3f} m and {:.2f} deg",
+    refuse(given,
+           fmt::format("standard deviations found {:.3f} m and {:.2f} deg, allowed {:.3f} m and {:.2f} deg",
                        sigma_m,
                        sigma_rad / kDegree,
                        kWorstTranslation_m,
@@ -129,6 +138,7 @@ void settle(const LogCamera& given, CameraPoseReport& report) {
     report.notes.emplace_back("within two standard deviations of what was given, which is left as it is");
   } else if (report.after_px > report.before_px) {
     refuse(
+        given,
         fmt::format("depth edges are {:.2f} px from the picture's with what was found, allowed at most the "
                     "{:.2f} px with what was given",
                     report.after_px,
@@ -170,16 +180,14 @@ CameraPoseReport find_camera_pose(const Log& log,
   scene.surfaces = surface_points(sweeps, world_from_rig);
   scene.spacing_rad = beam_spacing(sensor.with_rows());
   const bool has_halves = views.size() >= kLeastViews;
-  // Of the whole's progress: searches that are done, and the current one, which may end early. Halves are asked
-  // without a clock, which takes one pass.
-  std::size_t before = 0, last = 0, last_total = 0, of_whole = 0;
+  // Of the whole's progress: searches that are done, and the current one, which may end early. Halves may be
+  // asked without a clock, which takes one pass instead of two.
+  std::size_t before = 0, last = 0, of_whole = 0;
   const auto tell = [&](std::size_t done, std::size_t total) {
-    if (done <= last) before += last_total;
+    if (done <= last) before += of_whole;
     if (before == 0) of_whole = total;
     last = done;
-    last_total = total;
-    const std::size_t of_all = has_halves ? (options.with_clock ? 2 : 3) * of_whole : of_whole;
-    if (progress) progress(before + done, of_all);
+    if (progress) progress(before + done * of_whole / total, (has_halves ? 3 : 1) * of_whole);
   };
   const LogCamera& given = log.camera(camera);
   CameraPoseReport report = find_camera_pose(views, given, world_from_rig, scene, options, tell);
@@ -190,6 +198,7 @@ CameraPoseReport find_camera_pose(const Log& log,
         fmt::format("halves of the drive: found {} pictures, allowed {} and more: not compared",
                     views.size(),
                     kLeastViews));
+    if (!is_as_given(report, given)) refuse(given, report.notes.back());
   }
   settle(given, report);
   return report;

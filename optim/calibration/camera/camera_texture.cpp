@@ -31,6 +31,7 @@ constexpr double kLeastAgreement = 0.5;  // share of a piece's luminance that it
 constexpr double kLeastContrast = 0.01;  // standard deviation of luminance on a piece
 constexpr double kNoise = 0.004;         // of luminance
 constexpr double kLoss = 2.0;            // standard deviations
+constexpr std::array<double, 4> kBlurs_px{1.2, 0.7, 0.7, 0.7};
 
 /// Returns on one flat piece that one picture sees.
 struct Piece {
@@ -52,13 +53,13 @@ class TextureProblem {
                  const Camera& camera,
                  const Trajectory& path,
                  const std::vector<SurfacePoint>& points,
-                 double cell_px)
+                 double spacing_rad)
       : views_(views),
         camera_(camera),
         jet_camera_(camera),
         path_(path),
         points_(points),
-        cell_px_(cell_px) {}
+        cell_px_(std::max(2.0, spacing_rad * camera.focal_px())) {}
 
   void blur(double blur_px) {
     blur_px_ = blur_px;
@@ -246,11 +247,13 @@ class TextureProblem {
   std::vector<std::unique_ptr<SmoothPicture>> pictures_;
 };
 
+double correlation(const Verdict& verdict) {
+  return verdict.counts ? std::sqrt(std::max(0.0, verdict.agreement)) : 0.0;
+}
+
 double median_correlation(const std::vector<Verdict>& verdicts) {
   std::vector<double> values;
-  for (const Verdict& verdict : verdicts) {
-    values.push_back(verdict.counts ? std::sqrt(std::max(0.0, verdict.agreement)) : 0.0);
-  }
+  for (const Verdict& verdict : verdicts) values.push_back(correlation(verdict));
   return upper_median(std::move(values));
 }
 
@@ -344,7 +347,6 @@ TextureFit fit_texture(const std::vector<CameraView>& views,
                        const MountingMatrix& covariance,
                        bool with_time,
                        const std::function<void(std::size_t, std::size_t)>& progress) {
-  constexpr std::array<double, 4> kBlurs_px{1.2, 0.7, 0.7, 0.7};
   constexpr int kSteps = 8;          // for the pieces of one blur
   constexpr double kSettled = 0.05;  // of a standard deviation
   constexpr double kFarthest = 5.0;  // standard deviations, over all unknowns
@@ -357,8 +359,7 @@ TextureFit fit_texture(const std::vector<CameraView>& views,
   MountingMatrix believed = MountingMatrix::Zero();
   believed.topLeftCorner(unknowns, unknowns) = covariance.topLeftCorner(unknowns, unknowns).inverse();
   TextureFit fit{start, covariance, 0, 0, 0.0, 0.0};
-  TextureProblem problem(
-      views, camera, world_from_rig, points, std::max(2.0, spacing_rad * camera.focal_px()));
+  TextureProblem problem(views, camera, world_from_rig, points, spacing_rad);
   for (std::size_t stage = 0; stage < kBlurs_px.size(); ++stage) {
     problem.blur(kBlurs_px[stage]);
     const std::vector<Piece> pieces = problem.find_pieces(fit.mounting);
@@ -395,6 +396,26 @@ TextureFit fit_texture(const std::vector<CameraView>& views,
     fit.covariance = inverse * middle * inverse.transpose();
   }
   return fit;
+}
+
+std::optional<std::array<double, 2>> texture_of(const std::vector<CameraView>& views,
+                                                const Camera& camera,
+                                                const Trajectory& world_from_rig,
+                                                const std::vector<SurfacePoint>& points,
+                                                double spacing_rad,
+                                                const std::array<Mounting, 2>& mountings) {
+  TextureProblem problem(views, camera, world_from_rig, points, spacing_rad);
+  problem.blur(kBlurs_px.back());
+  std::vector<Piece> pieces = problem.find_pieces(mountings[0]);
+  for (Piece& piece : problem.find_pieces(mountings[1])) pieces.push_back(std::move(piece));
+  if (pieces.size() < kFewestPieces) return std::nullopt;
+  std::array<double, 2> out{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (const Verdict& verdict : problem.ask(pieces, mountings[i])) {
+      out[i] += correlation(verdict) / static_cast<double>(pieces.size());
+    }
+  }
+  return out;
 }
 
 }  // namespace simuli::calibration

@@ -3,8 +3,10 @@
 // paint on the road, joints and frames in walls. Every return is compared with the one place of the picture
 // that it falls on, so that the distance between beams does not enter.
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "host/core/sensors/camera.hpp"
@@ -82,5 +84,14 @@ struct TextureFit {
                                      const MountingMatrix& covariance,
                                      bool with_time,
                                      const std::function<void(std::size_t, std::size_t)>& progress = {});
+
+/// Mean correlation of intensity and luminance under each of two mountings, on the pieces on which they agree
+/// under the one or the other; nothing where those are too few to tell.
+[[nodiscard]] std::optional<std::array<double, 2>> texture_of(const std::vector<CameraView>& views,
+                                                              const Camera& camera,
+                                                              const Trajectory& world_from_rig,
+                                                              const std::vector<SurfacePoint>& points,
+                                                              double spacing_rad,
+                                                              const std::array<Mounting, 2>& mountings);
 
 }  // namespace simuli::calibration
