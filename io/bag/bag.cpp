@@ -42,20 +42,31 @@ bool is_before(const fs::path& a, const fs::path& b) {
   return std::pair(x.size(), x) < std::pair(y.size(), y);
 }
 
-/// What unpacks a file that is compressed whole, by its first bytes, whatever it is called; null for others.
-const char* unpacker_of(const fs::path& file) {
+/// What a file is that is no recording of ROS 2, and what makes it one.
+struct Other {
+  std::string_view first_bytes;
+  const char *found, *tool;
+};
+
+/// By its first bytes, whatever it is called; null for what may be a recording.
+const Other* other_kind(const fs::path& file) {
   using namespace std::string_view_literals;
-  constexpr std::array<std::pair<std::string_view, const char*>, 5> kKinds{{{"\x1f\x8b"sv, "gunzip"},
-                                                                            {"\x28\xb5\x2f\xfd"sv, "unzstd"},
-                                                                            {"\x04\x22\x4d\x18"sv, "unlz4"},
-                                                                            {"BZh"sv, "bunzip2"},
-                                                                            {"\3757zXZ"sv, "unxz"}}};
-  std::string first(5, '\0');
+  constexpr const char* kPacked = "one that is compressed whole";
+  static constexpr std::array<Other, 8> kKinds{
+      {{"\x1f\x8b"sv, kPacked, "gunzip"},
+       {"\x28\xb5\x2f\xfd"sv, kPacked, "unzstd"},
+       {"\x04\x22\x4d\x18"sv, kPacked, "unlz4"},
+       {"BZh"sv, kPacked, "bunzip2"},
+       {"\3757zXZ"sv, kPacked, "unxz"},
+       {"PK\3\4"sv, "a zip archive", "unzip"},
+       {"#ROSBAG V"sv, "a bag of ROS 1", "rosbags-convert"},
+       {"version https://git-lfs"sv, "a pointer of Git LFS instead of the content", "git lfs pull"}}};
+  std::string first(24, '\0');
   std::error_code status;
-  if (fs::is_regular_file(file, status)) std::ifstream(file, std::ios::binary).read(first.data(), 5);
-  const auto kind = std::find_if(
-      kKinds.begin(), kKinds.end(), [&](const auto& entry) { return first.starts_with(entry.first); });
-  return kind == kKinds.end() ? nullptr : kind->second;
+  if (fs::is_regular_file(file, status)) std::ifstream(file, std::ios::binary).read(first.data(), 24);
+  const auto* const kind = std::find_if(
+      kKinds.begin(), kKinds.end(), [&](const Other& other) { return first.starts_with(other.first_bytes); });
+  return kind == kKinds.end() ? nullptr : kind;
 }
 
 /// Only this file tells of messages that the recorder compressed one by one, which are no CDR, and of parts that are
@@ -95,11 +106,11 @@ std::unique_ptr<const Bag> open_bag(const fs::path& path) {
   if (fs::is_directory(path, status)) {
     std::vector<fs::path> files;
     std::set<std::string> endings;
-    const char* unpacker = nullptr;
+    const Other* other = nullptr;
     for (const auto& entry : fs::directory_iterator(path, status)) {
       const std::string of = ending_of(entry.path());
       if (of != ".mcap" && of != ".db3") {
-        if (unpacker == nullptr) unpacker = unpacker_of(entry.path());
+        if (other == nullptr) other = other_kind(entry.path());
         continue;
       }
       files.push_back(entry.path());
@@ -108,19 +119,19 @@ std::unique_ptr<const Bag> open_bag(const fs::path& path) {
     if (endings.size() != 1) {
       throw_input_error(path.string(),
                         "files",
-                        !files.empty()        ? "both .mcap and .db3"
-                        : unpacker != nullptr ? "files that are compressed whole"
-                                              : "no .mcap and no .db3",
-                        unpacker != nullptr ? fmt::format("unpacked ones: {}", unpacker) : "one kind");
+                        !files.empty()     ? "both .mcap and .db3"
+                        : other != nullptr ? other->found
+                                           : "no .mcap and no .db3",
+                        other != nullptr ? fmt::format("recordings of ROS 2: {}", other->tool) : "one kind");
     }
     need_whole(path / "metadata.yaml", files.size());
     std::sort(files.begin(), files.end(), is_before);
     return std::make_unique<const BagParts>(files);
   }
   if (!is_there(path)) throw_input_error(path.string(), "file", "none", "a recording");
-  if (const char* unpacker = unpacker_of(path))
+  if (const Other* other = other_kind(path))
     throw_input_error(
-        path.string(), "file", "one that is compressed whole", fmt::format("an unpacked one: {}", unpacker));
+        path.string(), "file", other->found, fmt::format("a recording of ROS 2: {}", other->tool));
   if (ending == ".mcap") return open_mcap(path);
   if (ending == ".db3") return open_sqlite_bag(path);
   throw_input_error(path.string(),

@@ -60,8 +60,10 @@ class McapFile : public Bag {
     std::ifstream in(path, std::ios::binary);
     std::string magic(kMagic.size(), '\0');
     if (!in) throw_input_error(file_, "file", "none that can be read", "an MCAP file");
-    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic)
-      throw_input_error(file_, "first 8 bytes", "others", "those of MCAP, version 0");
+    if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != kMagic) {
+      magic.resize(static_cast<std::size_t>(in.gcount()));
+      throw_input_error(file_, "first 8 bytes", '"' + magic + '"', "those of MCAP, version 0");
+    }
     size_ = fs::file_size(path);
     in.seekg(-static_cast<std::streamoff>(kMagic.size()), std::ios::end);
     if (size_ < 2 * kMagic.size() || !in.read(magic.data(), static_cast<std::streamsize>(magic.size())) ||

@@ -473,11 +473,13 @@ TEST_F(SceneCli, PhotographsAreEnough) {
          {"transform_matrix", {{0, 0, -1, p.at(0)}, {-1, 0, 0, p.at(1)}, {0, 1, 0, p.at(2)}, {0, 0, 0, 1}}}});
   }
   transforms["frames"][0]["mask_path"] = "masks/0.png";
+  for (int i = 0; i < 2; ++i) transforms["frames"][i]["depth_file_path"] = "depth.png";
   std::ofstream(folder_ / "transforms.json") << transforms.dump();
   const Outcome import = run("import nerfstudio transforms.json -o p.log --metres-per-unit 1");
   ASSERT_EQ(import.exit_code, 0) << import.err;
   EXPECT_NE(import.err.find("10 photographs (0 named but absent)"), std::string::npos) << import.err;
-  EXPECT_NE(import.err.find("1 masks of single photographs are left out"), std::string::npos) << import.err;
+  for (const char* note : {"1 masks of single photographs are left out", "2 depth pictures are left out"})
+    EXPECT_NE(import.err.find(note), std::string::npos) << import.err;
   const Outcome train = run("train p.log -o p.scene --iterations 5 --json");
   ASSERT_EQ(train.exit_code, 0) << train.err;
   EXPECT_EQ(nlohmann::json::parse(train.out).at("lidar_particles"), 0);

@@ -15,6 +15,7 @@ TEST(OneLine, CharactersThatChangeWhatIsShownAreBytes) {
                         "gpj"),
             "\\xe2\\x80\\xaegpj");  // from right to left
   EXPECT_EQ(on_one_line("\xE2\x81\xA6x"), "\\xe2\\x81\\xa6x");
+  EXPECT_EQ(on_one_line("\xEF\xBB\xBF# x"), "\\xef\\xbb\\xbf# x");  // of UTF-8 as Windows writes it
   for (const char* text : {"",
                            "plain",
                            "Gr\xC3\xB6\xC3\x9F"

@@ -36,6 +36,7 @@ std::size_t unprintable(std::string_view text, std::size_t at) {
   if (first < 0x20U || first == 0x7FU) return 1;
   if (utf8_bytes(text, at) == 0) return is_inside_character(text, at) ? 0 : 1;
   if (first == 0xC2U && second >= 0x80U && second <= 0x9FU) return 2;
+  if (first == 0xEFU && second == 0xBBU && third == 0xBFU) return 3;
   if (first != 0xE2U) return 0;
   const bool turns =
       (second == 0x80U && (third == 0x8EU || third == 0x8FU || (third >= 0xA8U && third <= 0xAEU))) ||

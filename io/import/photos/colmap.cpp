@@ -84,15 +84,14 @@ class Bytes {
 Camera make_camera(const std::string& file,
                    std::int64_t id,
                    std::size_t model,
+                   const std::string& model_name,
                    std::uint64_t width,
                    std::uint64_t height,
                    const std::vector<double>& p) {
   if (model >= kModels.size() || model == kFov || model == kThinPrism) {
-    const std::string found =
-        model < kModels.size() ? std::string(kModels[model].name) : fmt::format("number {}", model);
     throw_input_error(file,
                       fmt::format("camera {}: model", id),
-                      found,
+                      model_name,
                       "SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE, "
                       "SIMPLE_RADIAL_FISHEYE or RADIAL_FISHEYE");
   }
@@ -142,9 +141,10 @@ std::map<std::int64_t, Camera> read_cameras(const fs::path& folder, bool binary)
       const auto model = static_cast<std::size_t>(in.next<std::int32_t>());
       const auto width = in.next<std::uint64_t>(), height = in.next<std::uint64_t>();
       std::vector<double> p;
+      const std::string name = model < kModels.size() ? kModels[model].name : fmt::format("number {}", model);
       const std::size_t count = model < kModels.size() ? kModels[model].parameters : 0;
       while (p.size() < count) p.push_back(in.next<double>());
-      cameras[id] = make_camera(in.file(), id, model, width, height, p);
+      cameras[id] = make_camera(in.file(), id, model, name, width, height, p);
     }
     return cameras;
   }
@@ -156,15 +156,15 @@ std::map<std::int64_t, Camera> read_cameras(const fs::path& folder, bool binary)
     std::string name;
     std::uint64_t width = 0, height = 0;
     std::vector<double> p;
-    in >> id >> name >> width >> height;
+    const bool is_camera = static_cast<bool>(in >> id >> name >> width >> height);
     for (double value = 0.0; in >> value;) p.push_back(value);
     const auto known =
         std::find_if(kModels.begin(), kModels.end(), [&](const Model& m) { return name == m.name; });
     const auto model = static_cast<std::size_t>(known - kModels.begin());
-    if (known != kModels.end() && (p.size() != known->parameters || !in.eof())) {
+    if (!is_camera || (known != kModels.end() && (p.size() != known->parameters || !in.eof()))) {
       refuse_line(file, line, "CAMERA_ID MODEL WIDTH HEIGHT and the model's parameters");
     }
-    cameras[id] = make_camera(file.string(), id, model, width, height, p);
+    cameras[id] = make_camera(file.string(), id, model, name, width, height, p);
   }
   return cameras;
 }

@@ -161,7 +161,7 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
                                 "camera_linear_velocity",
                                 "camera_angular_velocity"};
     std::set<std::string> moved;
-    std::size_t masked = 0;
+    std::size_t masked = 0, with_depth = 0;
     (void)root.objects("frames", [&](JsonObject& frame) {
       frame.ignore_other_keys();
       Intrinsics intrinsics(root, frame);
@@ -169,6 +169,7 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
       const Pose pose = pose_of(frame.get("transform_matrix"), set.source, frame.field("transform_matrix"));
       set.photos.push_back({photo_file(folder, frame), camera, pose});
       masked += frame.has("mask_path") ? 1U : 0U;
+      with_depth += frame.has("depth_file_path") ? 1U : 0U;
       std::copy_if(kMoved.begin(), kMoved.end(), std::inserter(moved, moved.end()), [&](const char* key) {
         return intrinsics.has(key);
       });
@@ -178,6 +179,10 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
       set.notes.push_back(fmt::format(
           "{} masks of single photographs are left out; simuli mask hides what a camera always sees",
           masked));
+    }
+    if (with_depth > 0) {
+      set.notes.push_back(fmt::format(
+          "{} depth pictures are left out; points of ply_file_path tell how far things are", with_depth));
     }
     if (!moved.empty()) {
       set.notes.push_back(

@@ -152,6 +152,10 @@ TEST(Colmap, SaysWhatIsMissing) {
   expect_input_error([&] { run(scratch / "text"); }, {"camera 7", "FOV"});
   write_colmap_text(scratch / "text", "7 THIN_PRISM_FISHEYE 8 6 9 10 4 3 0 0 0 0 0 0 0 0");
   expect_input_error([&] { run(scratch / "text"); }, {"camera 7", "found THIN_PRISM_FISHEYE"});
+  write_colmap_text(scratch / "text", "7 DIVISION 8 6 9 10 4 3 0.1");
+  expect_input_error([&] { run(scratch / "text"); }, {"camera 7", "found DIVISION"});
+  write_colmap_text(scratch / "text", "\xEF\xBB\xBF# as Windows writes it");
+  expect_input_error([&] { run(scratch / "text"); }, {"cameras.txt: line: found \"\\xef\\xbb\\xbf# as"});
   write_colmap_text(scratch / "text", "8 PINHOLE 8 6 9 10 4 3");
   expect_input_error([&] { run(scratch / "text"); }, {"camera of 0.png", "7"});
   write_colmap_text(scratch / "text", "7 PINHOLE 9 6 9 10 4 3");

@@ -178,21 +178,32 @@ TEST(Mcap, WhatIsNoRecordingIsRefused) {
   const Scratch scratch;
   expect_input_error([&] { (void)open_bag(scratch / "absent.mcap"); }, {"absent.mcap"});
   expect_input_error([&] { (void)open_bag(scratch.file("a.bag", "#ROSBAG V2.0\n")); },
-                     {".bag", ".mcap, .db3"});
+                     {".bag", "a bag of ROS 1", "rosbags-convert"});
+  expect_input_error([&] { (void)open_bag(scratch.path()); }, {"a bag of ROS 1", "rosbags-convert"});
+  std::filesystem::remove(scratch / "a.bag");
   expect_input_error([&] { (void)open_bag(scratch.path()); }, {"no .mcap and no .db3"});
+  expect_input_error([&] { (void)open_bag(scratch.file("a.zip", "PK\1\2")); }, {".mcap, .db3"});
   // What `ros2 bag record --compression-mode` leaves behind, and others: by first bytes, whatever it is called.
   (void)scratch.file("a.mcap.zstd", "\x28\xb5\x2f\xfd");
   expect_input_error([&] { (void)open_bag(scratch.path()); }, {"compressed whole", "unzstd"});
-  for (const auto& [name, bytes, unpacker] : {std::array{"a.MCAP.gz", "\x1f\x8b", "gunzip"},
-                                              {"a.db3.zst", "\x28\xb5\x2f\xfd", "unzstd"},
-                                              {"a.mcap.lz4", "\x04\x22\x4d\x18", "unlz4"},
-                                              {"a.mcap", "BZh9", "bunzip2"},
-                                              {"a.db3", "\3757zXZ", "unxz"}}) {
+  constexpr const char* kPacked = "compressed whole";
+  for (const auto& [name, bytes, found, tool] :
+       {std::array{"a.MCAP.gz", "\x1f\x8b", kPacked, "gunzip"},
+        {"a.db3.zst", "\x28\xb5\x2f\xfd", kPacked, "unzstd"},
+        {"a.mcap.lz4", "\x04\x22\x4d\x18", kPacked, "unlz4"},
+        {"a.mcap", "BZh9", kPacked, "bunzip2"},
+        {"a.db3", "\3757zXZ", kPacked, "unxz"},
+        {"b.mcap", "PK\3\4...", "a zip archive", "unzip"},
+        {"b.db3", "#ROSBAG V2.0\n", "a bag of ROS 1", "rosbags-convert"},
+        {"c.mcap", "version https://git-lfs.github.com/spec/v1\n", "a pointer of Git LFS", "git lfs pull"}}) {
     expect_input_error([&, &name = name, &bytes = bytes] { (void)open_bag(scratch.file(name, bytes)); },
-                       {name, "compressed whole", unpacker});
+                       {name, found, tool});
     std::filesystem::remove(scratch / name);
   }
-  expect_input_error([&] { (void)open_bag(scratch.file("A.MCAP", "")); }, {"A.MCAP: first 8 bytes"});
+  expect_input_error([&] { (void)open_bag(scratch.file("A.MCAP", "")); },
+                     {"A.MCAP: first 8 bytes: found \"\""});
+  expect_input_error([&] { (void)open_bag(scratch.file("A.MCAP", "\x89PNG\r\n\x1a\n")); },
+                     {"first 8 bytes: found \"\\x89PNG\\x0d"});
   (void)scratch.file(
       "metadata.yaml",
       "x:\n  relative_file_paths:\n    - a_0.mcap\n    - \"a_1.mcap\"\n  duration:\n    n: 1\n");
