@@ -150,6 +150,35 @@ TEST_F(HostileCli, RefusalsAreOneLine) {
       "import nerfstudio transforms.json -o ''", kUsage, "--output: found nothing, allowed a text");
 }
 
+TEST_F(HostileCli, PathsAreToldOnOneLineAndWithoutEscapes) {
+  const std::string name = "'a\x1b[2J\nb\u202e'\\''c'";  // as sh reads it
+  const auto told = [&](std::string command) {
+    for (std::size_t at = 0; (at = command.find('@', at)) != std::string::npos;) command.replace(at, 1, name);
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.exit_code, 0) << command << outcome.err;
+    for (const char* raw : {"\x1b", "\nb", "\u202e"}) {
+      EXPECT_EQ(outcome.out.find(raw), std::string::npos) << command << '\n' << outcome.out;
+      EXPECT_EQ(outcome.err.find(raw), std::string::npos) << command << '\n' << outcome.err;
+    }
+    EXPECT_NE(outcome.out.find("[2J"), std::string::npos) << command << '\n' << outcome.out;
+    return outcome.out;
+  };
+  for (const char* command : {"export s.scene -o @.ply",
+                              "export s.scene --drive -o @.usdz",
+                              "info @.ply",
+                              "info @.ply --json",
+                              "import splat @.ply -o @.scene",
+                              "actors s.log -o @.log",
+                              "render s.scene --sensor front --frames 0:1 -o @"}) {
+    (void)told(command);
+  }
+  // What is to be typed next means that scene.
+  const std::string next = told("train s.log -o @.0.scene --iterations 1 --set init.voxel_m=0.3");
+  const std::size_t from = next.find("simuli view ") + 12;
+  std::ofstream(folder_ / "next.sh") << "test -d " << next.substr(from, next.find('\n', from) - from);
+  EXPECT_EQ(run_line("bash next.sh").exit_code, 0) << next;
+}
+
 TEST_F(HostileCli, DeepJsonIsRefused) {
   fs::create_directory(folder_ / "deep.log");
   std::ofstream(folder_ / "deep.log" / "log.json") << std::string(200'000, '[');

@@ -15,6 +15,7 @@
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/base/fields.hpp"
+#include "host/core/base/one_line.hpp"
 #include "io/base/output.hpp"
 #include "optim/actors/compare_actors.hpp"
 #include "optim/actors/complete_actors.hpp"
@@ -172,7 +173,7 @@ void actors(const ActorsCommand& command, const Globals& globals) {
     std::cout << fmt::format("  {} of them have no label; {} labels go on where they had ended\n",
                              completed->added,
                              completed->continued);
-  if (!command.output.empty()) std::cout << fmt::format("log {} written\n", command.output);
+  if (!command.output.empty()) std::cout << fmt::format("log {} written\n", on_one_line(command.output));
 }
 
 }  // namespace

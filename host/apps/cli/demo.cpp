@@ -8,11 +8,13 @@
 
 #include "host/apps/cli/base/commands.hpp"
 #include "host/apps/cli/base/file_progress.hpp"
+#include "host/apps/cli/base/quoted.hpp"
 #include "host/apps/cli/draw/pictures.hpp"
 #include "host/apps/cli/report/pair_pictures.hpp"
 #include "host/apps/cli/report/report.hpp"
 #include "host/apps/cli/report/training.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 #include "io/base/file.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/synth/street.hpp"
@@ -75,15 +77,14 @@ void demo(const DemoCommand& command, const Globals& globals) {
   });
   print_eval(*report, scene, globals.json);
   if (globals.json) return;
-  std::cout << fmt::format("log                             {}\n", (output / "street.log").string())
-            << fmt::format("scene                           {}\n", (output / "street.scene").string())
-            << fmt::format("report                          {}\n", (output / "report.html").string())
-            << fmt::format("held-out picture, rendered beside recorded   {}\n",
-                           (output / "camera.png").string())
-            << fmt::format("held-out ranges, rendered over recorded      {}\n",
-                           (output / "lidar_range.png").string())
+  const auto told = [&](const char* name) { return on_one_line((output / name).string()); };
+  std::cout << fmt::format("log                             {}\n", told("street.log"))
+            << fmt::format("scene                           {}\n", told("street.scene"))
+            << fmt::format("report                          {}\n", told("report.html"))
+            << fmt::format("held-out picture, rendered beside recorded   {}\n", told("camera.png"))
+            << fmt::format("held-out ranges, rendered over recorded      {}\n", told("lidar_range.png"))
             << fmt::format("drive through it                simuli view {}\n",
-                           (output / "street.scene").string());
+                           shell_word((output / "street.scene").string()));
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "host/apps/cli/base/json_text.hpp"
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 #include "host/core/scene/moment.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/export/drive_archive.hpp"
@@ -116,7 +117,7 @@ void export_drive(const ExportCommand& command, const Globals& globals) {
                              counted(scene.cameras.size(), "camera"),
                              counted(archive.actors, "actor"),
                              counted(archive.ground_triangles, "triangle"),
-                             command.output);
+                             on_one_line(command.output));
   }
 }
 
@@ -142,7 +143,7 @@ void export_log(const ExportCommand& command, const Globals& globals) {
                              counted(done.pictures, "picture"),
                              counted(done.sweeps, "sweep"),
                              counted(done.boxes, "box", "boxes"),
-                             command.output);
+                             on_one_line(command.output));
   }
 }
 
@@ -162,8 +163,10 @@ void run_export(const ExportCommand& command, const Globals& globals) {
         {"file", command.output}, {"particles", exported.set.size()}, {"sh_degree", exported.set.sh_degree}};
     std::cout << json_text(out) << '\n';
   } else {
-    std::cout << fmt::format(
-        "{} particles of SH degree {} in {}\n", exported.set.size(), exported.set.sh_degree, command.output);
+    std::cout << fmt::format("{} particles of SH degree {} in {}\n",
+                             exported.set.size(),
+                             exported.set.sh_degree,
+                             on_one_line(command.output));
   }
 }
 

@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "host/core/base/one_line.hpp"
+
 namespace simuli::cli {
 
 /// In quotes in which bash changes nothing.
@@ -13,14 +15,17 @@ namespace simuli::cli {
   return out + "'";
 }
 
-/// As a shell reads it back: in quotes where it has to be.
+/// As bash reads it back: in quotes where it has to be, without what terminals would act on.
 [[nodiscard]] inline std::string shell_word(const std::string& word) {
   const auto is_plain = [](char c) {
     return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
            std::string_view("_-./:,@=+").find(c) != std::string_view::npos;
   };
   if (!word.empty() && std::all_of(word.begin(), word.end(), is_plain)) return word;
-  return quoted(word);
+  if (on_one_line(word) == word) return quoted(word);
+  std::string escaped;
+  for (const char c : word) escaped += c == '\'' || c == '\\' ? std::string{'\\', c} : std::string(1, c);
+  return "$'" + on_one_line(escaped) + "'";
 }
 
 }  // namespace simuli::cli

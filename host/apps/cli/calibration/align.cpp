@@ -15,6 +15,7 @@
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 #include "io/base/output.hpp"
 #include "io/log/log_json.hpp"
 #include "optim/calibration/camera/camera_pose.hpp"
@@ -207,7 +208,7 @@ void tell(const AlignCommand& command,
   for (const CameraResult& result : cameras) std::cout << text_of(result);
   if (is_written) {
     std::cout << fmt::format("log {} written{}\n",
-                             command.output,
+                             on_one_line(command.output),
                              !cameras.empty() && !command.apply_cameras ? ", cameras as they were" : "");
   }
 }

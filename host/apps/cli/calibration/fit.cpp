@@ -12,6 +12,7 @@
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "io/base/ending.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
@@ -184,7 +185,7 @@ void fit_beams(const BeamsCommand& command, const Globals& globals) {
     std::cout << "spin: not determined: " << spin.reason << '\n';
   }
   for (const std::string& note : table.notes) std::cout << note << '\n';
-  if (!command.output.empty()) std::cout << fmt::format("sensor {} written\n", command.output);
+  if (!command.output.empty()) std::cout << fmt::format("sensor {} written\n", on_one_line(command.output));
 }
 
 Camera camera_by_name(const LensCommand& command) {
@@ -249,7 +250,7 @@ void fit_lens(const LensCommand& command, const Globals& globals) {
     std::cout << fmt::format("  {:.2f} % of the picture has no image in this model\n",
                              100.0 * fit.uncovered_share);
   }
-  if (!command.output.empty()) std::cout << fmt::format("camera {} written\n", command.output);
+  if (!command.output.empty()) std::cout << fmt::format("camera {} written\n", on_one_line(command.output));
 }
 
 }  // namespace

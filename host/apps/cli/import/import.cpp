@@ -147,7 +147,7 @@ void import_splats(SplatCommand command, const Globals& globals) {
         from.y(),
         from.z(),
         command.is_survey ? "" : ", in ",
-        command.output.string());
+        on_one_line(command.output.string()));
   }
 }
 

@@ -14,6 +14,7 @@
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
+#include "host/core/base/one_line.hpp"
 #include "io/base/output.hpp"
 #include "io/log/camera_mask.hpp"
 #include "io/log/log.hpp"
@@ -62,7 +63,7 @@ void mask(const MaskCommand& command, const Globals& globals) {
   for (const auto& [camera, hidden] : written.hidden)
     std::cout << fmt::format(
         "  {}: {:.1f} % of its pictures hidden\n", camera, 100.0 * hidden->hidden_share());
-  std::cout << fmt::format("log {} written\n", command.output);
+  std::cout << fmt::format("log {} written\n", on_one_line(command.output));
 }
 
 }  // namespace

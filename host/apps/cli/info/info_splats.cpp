@@ -4,6 +4,7 @@
 
 #include "host/apps/cli/base/json_text.hpp"
 #include "host/apps/cli/info/info.hpp"
+#include "host/core/base/one_line.hpp"
 #include "io/splat/splat_file.hpp"
 
 namespace simuli::cli {
@@ -48,7 +49,7 @@ void print_splats(const std::filesystem::path& file, bool json) {
     std::cout << json_text(out) << '\n';
     return;
   }
-  std::cout << fmt::format("splats {}\n", file.string()) << set_text("camera", set);
+  std::cout << fmt::format("splats {}\n", on_one_line(file.string())) << set_text("camera", set);
   if (left_out > 0) std::cout << fmt::format("  left out: {}\n", broken_particles(left_out));
   if (!note.empty()) std::cout << "  " << note << '\n';
   if (set.size() == 0) return;

@@ -25,6 +25,7 @@
 #include "host/apps/cli/render/rendered_log.hpp"
 #include "host/apps/cli/render/sensors.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 #include "host/core/base/version.hpp"
 #include "host/core/sensors/own_time.hpp"
 #include "host/device/render/options/validate.hpp"
@@ -311,7 +312,8 @@ void print_outcome(const RenderCommand& command,
     const std::string folder = folder_of(view, kind, command.output).string();
     const std::size_t frames = view.plan.spans.size();
     if (!json)
-      std::cout << fmt::format("{} of {} in {}\n", counted(frames, "frame"), view.sensor.name(), folder);
+      std::cout << fmt::format(
+          "{} of {} in {}\n", counted(frames, "frame"), view.sensor.name(), on_one_line(folder));
     sensors.push_back({{"folder", folder}, {"sensor", view.sensor.name()}, {"frames", frames}});
   }
   if (!json) return;

@@ -15,6 +15,7 @@
 #include "host/apps/cli/report/eval_tables.hpp"
 #include "host/apps/cli/view/live_page.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 #include "host/core/base/stopwatch.hpp"
 #include "io/base/event_file.hpp"
 #include "io/scene/training_json.hpp"
@@ -183,7 +184,8 @@ TrainHistory run_training(Training& training,
   std::error_code absent;
   const bool resumes = ranks.first(outputs.resume && std::filesystem::exists(checkpoints.file, absent));
   if (outputs.resume && !resumes && ranks.is_first()) {
-    std::cerr << fmt::format("simuli: no checkpoint {}: from the start\n", checkpoints.file.string());
+    std::cerr << fmt::format("simuli: no checkpoint {}: from the start\n",
+                             on_one_line(checkpoints.file.string()));
   }
   const ProgressStyle style = progress_style(globals);
   StageProgress stages(style);

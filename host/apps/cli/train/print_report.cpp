@@ -10,6 +10,7 @@
 #include "host/apps/cli/base/json_text.hpp"
 #include "host/apps/cli/base/provenance.hpp"
 #include "host/apps/cli/base/quoted.hpp"
+#include "host/core/base/one_line.hpp"
 #include "io/scene/training_json.hpp"
 
 namespace simuli::cli {
@@ -67,7 +68,7 @@ std::string path_text(const PathReport& path) {
 std::string next_text(const EndedTraining& ended) {
   const std::string scene = shell_word(ended.scene);
   std::string text;
-  if (!ended.report.empty()) text += fmt::format("report  {}\n", ended.report);
+  if (!ended.report.empty()) text += fmt::format("report  {}\n", on_one_line(ended.report));
   text += fmt::format("next    simuli view {}\n", scene);
   if (ended.report.empty()) {
     text += fmt::format("        simuli eval {} {}{} --report {}\n",
@@ -140,7 +141,7 @@ void print_report(const EndedTraining& ended, bool json) {
   }
   std::cout
       << fmt::format("scene {}\n  {} on {} and {}: {:.1f} s to initialise, {:.1f} s to train\n",
-                     ended.scene,
+                     on_one_line(ended.scene),
                      counted(r.last.iteration, "iteration"),
                      counted(r.images, "image"),
                      counted(r.sweeps, "sweep"),
