@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "host/core/base/error.hpp"
+#include "io/base/ending.hpp"
 #include "io/base/file.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
@@ -106,6 +107,13 @@ void need_writable(const fs::path& file) {
     throw_input_error(file.string(), "folder", "no folder " + parent_of(file).string(), "an existing folder");
   }
   need_regular_file(file);
+  for (const char* index : {"log.json", "scene.json"}) {
+    if (ending_of(file) == ".html" || !is_there(file) || !is_there(parent_of(file) / index)) continue;
+    throw_input_error(file.string(),
+                      "file",
+                      fmt::format("one beside a {}, which may need it", index),
+                      "a new path, or elsewhere");
+  }
   const Temporary temporary(file);
   const Descriptor made(::open(temporary.path().c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (made.get() < 0) throw_errno(file, "file", kWritable);

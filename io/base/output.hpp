@@ -33,7 +33,8 @@ class OutputLock {
   int descriptor_ = -1;
 };
 
-/// Error{kInput} when write_atomically() could not write a file of that name: what it would say at the end.
+/// Error{kInput} when write_atomically() could not write a file of that name: what it would say at the end. Files of
+/// logs and scenes are not replaced, pages beside them are.
 void need_writable(const std::filesystem::path& file);
 
 /// Error{kInput} when there is something of that name, links that lead nowhere too, or there can't be.

@@ -179,6 +179,21 @@ TEST_F(HostileCli, PathsAreToldOnOneLineAndWithoutEscapes) {
   EXPECT_EQ(run_line("bash next.sh").exit_code, 0) << next;
 }
 
+TEST_F(HostileCli, FilesOfLogsAndScenesAreNotReplaced) {
+  const Json log = read_json("s.log/log.json");
+  const auto scene = content("s.scene");
+  refused({"eval s.scene s.log --report s.log/log.json",
+           "train s.log -o t.scene --report s.log/log.json",
+           "fit lens tum_vi_cam0 --model ftheta_angle_to_radius -o s.log/log.json",
+           "export s.scene -o s.scene/camera.ply"},
+          "a new path, or elsewhere");
+  EXPECT_EQ(read_json("s.log/log.json"), log);
+  EXPECT_TRUE(content("s.scene") == scene);
+  std::ofstream(folder_ / "s.log" / "eval.html") << "of yesterday";
+  EXPECT_EQ(run("eval s.scene s.log --report s.log/eval.html").exit_code, 0);
+  EXPECT_GT(fs::file_size(folder_ / "s.log" / "eval.html"), 1000U);
+}
+
 TEST_F(HostileCli, DeepJsonIsRefused) {
   fs::create_directory(folder_ / "deep.log");
   std::ofstream(folder_ / "deep.log" / "log.json") << std::string(200'000, '[');

@@ -13,6 +13,7 @@
 #include "host/apps/cli/report/eval_support.hpp"
 #include "host/apps/cli/report/report.hpp"
 #include "host/apps/cli/report/training.hpp"
+#include "io/base/output.hpp"
 #include "io/scene/scene_folder.hpp"
 
 namespace simuli::cli {
@@ -36,6 +37,7 @@ void eval(EvalCommand command, const Globals& globals) {
   command.options.render = options_of(globals.quality);
   fields_of(command.options).apply(command.settings);
   check(command.options);
+  if (!command.report.empty()) need_writable(command.report);
   SceneFile file = read_told_scene(command.scene);
   warn_unlike_training(file, command.options.render);
   apply(command.edits, file);

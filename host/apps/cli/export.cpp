@@ -18,6 +18,7 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/one_line.hpp"
 #include "host/core/scene/moment.hpp"
+#include "io/base/output.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/export/drive_archive.hpp"
 #include "io/log/log.hpp"
@@ -148,6 +149,7 @@ void export_log(const ExportCommand& command, const Globals& globals) {
 }
 
 void run_export(const ExportCommand& command, const Globals& globals) {
+  need_writable(command.output);
   if (is_there(std::filesystem::path(command.input) / "log.json")) return export_log(command, globals);
   std::error_code ignored;
   const bool is_folder = std::filesystem::is_directory(command.input, ignored);

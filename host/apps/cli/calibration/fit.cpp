@@ -15,6 +15,7 @@
 #include "host/core/base/one_line.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "io/base/ending.hpp"
+#include "io/base/output.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/import/ros2/ros2_clouds.hpp"
 #include "io/log/log.hpp"
@@ -128,6 +129,7 @@ std::string row_line(std::size_t i, const calib::BeamEstimate& b) {
 }
 
 void fit_beams(const BeamsCommand& command, const Globals& globals) {
+  if (!command.output.empty()) need_writable(command.output);
   const RawSweeps sweeps = read_sweeps(command);
   const std::size_t count = sweeps.spread.size();
   const calib::BeamTable table = calib::find_beams(sweeps.spread);
@@ -205,6 +207,7 @@ Camera camera_by_name(const LensCommand& command) {
 }
 
 void fit_lens(const LensCommand& command, const Globals& globals) {
+  if (!command.output.empty()) need_writable(command.output);
   const LensKind kind = [&] {
     try {
       return lens_from_string(command.model, "--model", "lens");
