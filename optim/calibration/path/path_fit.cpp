@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/core/base/interruption.hpp"
 #include "host/core/base/parallel.hpp"
 #include "host/core/base/spread.hpp"
 #include "optim/calibration/path/odometry.hpp"
@@ -23,6 +24,7 @@ Fit fit_of(const std::vector<Returns>& sweeps, const std::vector<TimedPose>& pat
         p_world[s][i] = world_point(path, sweeps[s].p_rig[i], sweeps[s].time_s[i]);
       }
     });
+    Interruption::ask();
     for (const Vector3d& p : p_world[s]) map.add(p);
   }
   map.update();
@@ -30,6 +32,7 @@ Fit fit_of(const std::vector<Returns>& sweeps, const std::vector<TimedPose>& pat
   std::vector<double> distances;
   for (const std::vector<Vector3d>& sweep : p_world) {
     points += sweep.size();
+    Interruption::ask();
     for (const Vector3d& p : sweep) {
       const int found = map.find(p);
       if (found < 0) continue;

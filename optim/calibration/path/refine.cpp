@@ -6,11 +6,13 @@
 #include <ceres/ceres.h>
 #include <ceres/crs_matrix.h>
 #include <cmath>
+#include <exception>
 #include <fmt/format.h>
 #include <map>
 #include <utility>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 #include "host/core/base/parallel.hpp"
 #include "host/core/base/spread.hpp"
 #include "optim/calibration/path/odometry.hpp"
@@ -48,6 +50,7 @@ std::vector<FreePlane> find_planes(const std::vector<Returns>& sweeps,
   };
   PlaneMap map;
   for (const Returns& sweep : sweeps) {
+    Interruption::ask();
     for (std::size_t i = 0; i < sweep.size(); i += kStride) {
       map.add(world_point(path, sweep.p_rig[i], sweep.time_s[i]));
     }
@@ -62,6 +65,7 @@ std::vector<FreePlane> find_planes(const std::vector<Returns>& sweeps,
   std::map<int, Members> members;  // by plane: in the order of their numbers
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     const Returns& sweep = sweeps[s];
+    Interruption::ask();
     for (std::size_t i = 0; i < sweep.size(); i += stride_of(sweep)) {
       const Vector3d p = world_point(path, sweep.p_rig[i], sweep.time_s[i]);
       const int number = map.find(p);
@@ -89,6 +93,19 @@ std::vector<FreePlane> find_planes(const std::vector<Returns>& sweeps,
   return planes;
 }
 
+/// Asks between iterations whether somebody interrupts; nothing may be thrown through the solver.
+struct AskBetween : ceres::IterationCallback {
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
+    try {
+      Interruption::ask();
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+    return thrown ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+  std::exception_ptr thrown;
+};
+
 class JointProblem {
  public:
   JointProblem(std::vector<FreePlane>& planes,
@@ -101,7 +118,10 @@ class JointProblem {
       problem_.AddParameterBlock(block.translation.data(), 3);
     }
     auto* const loss = new ceres::CauchyLoss(kLoss_m / kPointSigma_m);
-    for (FreePlane& plane : planes) add(plane, loss);
+    for (FreePlane& plane : planes) {
+      Interruption::ask();
+      add(plane, loss);
+    }
     if (prior) {
       auto* const prior_loss = new ceres::HuberLoss(2.0);
       for (std::size_t i = 0; i < path.size(); ++i) {
@@ -132,8 +152,11 @@ class JointProblem {
       ordering->AddElementToGroup(block.translation.data(), 1);
     }
     options.linear_solver_ordering.reset(ordering);
+    AskBetween ask;
+    options.callbacks.push_back(&ask);
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);
+    if (ask.thrown) std::rethrow_exception(ask.thrown);
     if (!summary.IsSolutionUsable()) {
       throw Error(ErrorKind::kNumeric, "joint refinement of the path: " + summary.message);
     }

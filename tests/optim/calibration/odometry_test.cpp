@@ -2,13 +2,18 @@
 #include "optim/calibration/path/odometry.hpp"
 
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fmt/format.h>
+#include <functional>
 #include <gtest/gtest.h>
 #include <random>
+#include <stdexcept>
+#include <utility>
 
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
@@ -101,6 +106,34 @@ TEST_F(StreetPath, FollowsAPriorAsFarAsItIsBelieved) {
     EXPECT_LT((knot.pose.translation - prior.world_from_rig.at(knot.time_s).translation).norm(), 0.05);
   }
   EXPECT_LT(error_of(path, drive_->log.world_from_rig).step_m, 0.008);
+}
+
+TEST_F(StreetPath, RefinementHearsWhoInterrupts) {
+  std::vector<TimedPose> start;
+  for (const double t : knot_times(*sweeps_)) start.push_back({t, drive_->log.world_from_rig.at(t)});
+  const auto refine = [&](const std::function<void()>& look) {
+    const Interruption interruption(look);
+    std::vector<TimedPose> path = start;
+    (void)refine_path(*sweeps_, {}, {}, path);
+    (void)fit_of(*sweeps_, path);
+  };
+  int looks = 0;
+  const std::clock_t begin = std::clock();
+  std::clock_t last = begin, longest = 0;
+  refine([&] {
+    ++looks;
+    const std::clock_t now = std::clock();
+    longest = std::max(longest, now - std::exchange(last, now));
+  });
+  EXPECT_LT(longest, (std::clock() - begin) / 8);  // of processor time
+  for (const int last_look : {1, looks / 3, looks / 2, looks}) {
+    int left = last_look;
+    EXPECT_THROW(refine([&] {
+                   if (--left == 0) throw std::runtime_error("enough");
+                 }),
+                 std::runtime_error)
+        << last_look << " of " << looks;
+  }
 }
 
 TEST_F(StreetPath, TheSpinIsTheOneThatKeepsWallsFlat) {
