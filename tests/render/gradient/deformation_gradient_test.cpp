@@ -20,7 +20,9 @@ namespace {
 using Eigen::Vector3d;
 using test::SceneCase;
 
+// Of one degree, as others with actors: kernels are compiled once.
 constexpr SceneCase kCamera{"camera_sh1", SetKind::kCamera, false, false, 1};
+constexpr SceneCase kLidar{"lidar_sh1", SetKind::kLidar, false, false, 1};
 
 /// Of a box of 2 x 2 x 1.6 m, up to `largest_m` to each side.
 DeformationView shape_of(double largest_m, std::uint64_t seed) {
@@ -140,7 +142,7 @@ class ShapeProblem {
 
 TEST(DeformationGradients, MatchDifferences) {
   SIMULI_NEEDS_DOUBLE(test::device());
-  for (const SceneCase& scene : {kCamera, test::kLidarStill, test::kLidarMoving}) {
+  for (const SceneCase& scene : {kCamera, kLidar, test::kLidarMoving}) {
     SCOPED_TRACE(scene.name);
     ShapeProblem problem(scene, Precision::kDouble);
     problem.differentiate();
@@ -187,7 +189,7 @@ std::vector<double> shown(Renderer& renderer,
 
 TEST(Deformation, ShowsWhatParticlesMovedByHandShow) {
   SIMULI_NEEDS_DOUBLE(test::device());
-  for (const SceneCase& scene : {kCamera, test::kLidarStill}) {
+  for (const SceneCase& scene : {kCamera, kLidar}) {
     SCOPED_TRACE(scene.name);
     Renderer renderer(test::device(), test::smooth_options(Precision::kDouble));
     test::Shot shot = shot_with_shapes(scene, 0.4);
@@ -226,7 +228,7 @@ TEST(Deformation, OfZeroChangesNoBit) {
 TEST(Deformation, IsThatOfTheTimeAtWhichTheSensorLooks) {
   SIMULI_NEEDS_DOUBLE(test::device());
   // All of the first actor goes 0.4 m ahead during the sweep, and is looked at at one time of it.
-  const SceneCase scene = test::kLidarStill;
+  const SceneCase scene = kLidar;
   test::Shot shot = shot_with_shapes(scene, 0.1);
   DeformationView& shape = shot.view.actors[0].deformation;
   for (std::size_t i = 0; i < 72; ++i) {
