@@ -159,8 +159,9 @@ void add_frame(
   tally.add("frame", Projected(device), sizes);
   tally.add("frame", Binned(device), sizes);
   tally.add("frame", BinScratch(device), sizes);
-  tally.add("frame", SortBuffers(device), SortStage::sizes(device, most), kSorts);
-  tally.add("frame", ScanBuffers(device), {}, kScans);
+  const SortSizes sort = SortStage::sizes(device, most);
+  tally.add("frame", SortBuffers(device), sort, kSorts);
+  tally.add("frame", ScanBuffers(device), ScanStage::sizes(device, std::max(most, sort.counters)), kScans);
   tally.add("frame", SampleBuffers(device), {SIM_MONTE_CARLO});
   tally.add("rays", FrameConstants(device), sizes);
   tally.add("rays", WorldRays(device), sizes);
@@ -188,8 +189,9 @@ void add_environment(const Device& device, Tally& tally, const EnvironmentMap& m
   tally.add("environment", {"environment gradients", texture.bytes(sizes).front().bytes});
   tally.add("environment", AdamBuffers(device), {4 * texels, 1});
   tally.add("environment", EnvironmentScratch(device), {slots, texels + 1});
-  tally.add("environment", SortBuffers(device), SortStage::sizes(device, slots));
-  tally.add("environment", ScanBuffers(device), {});
+  const SortSizes sort = SortStage::sizes(device, slots);
+  tally.add("environment", SortBuffers(device), sort);
+  tally.add("environment", ScanBuffers(device), ScanStage::sizes(device, sort.counters));
 }
 
 /// All moved by one optimiser, the gradients of one at a time.

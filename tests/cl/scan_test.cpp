@@ -73,6 +73,14 @@ TEST_P(Scan, TellsTwoTotalsAtOnce) {
   EXPECT_EQ(scan_.run_two(data, 2), std::pair(7U, std::uint64_t{2} * 0xffffffffU));
 }
 
+TEST_P(Scan, TakesWhatIsTold) {
+  Buffer<std::uint32_t> data(device_, "data", Words(50'001, 1));
+  (void)scan_.run(data, 50'001, false);
+  const auto told = ScanBuffers(device_).bytes(ScanStage::sizes(device_, 50'001, GetParam()));
+  for (const BufferBytes& buffer : told)
+    EXPECT_EQ(device_.memory_by_name().at(buffer.name).now, buffer.bytes) << buffer.name;
+}
+
 INSTANTIATE_TEST_SUITE_P(WorkItems,
                          Scan,
                          testing::Values(std::size_t{1}, std::size_t{64}),

@@ -19,9 +19,6 @@ inline EvalReport compare(const Log& log, const Scene& scene, const EvalOptions&
   return Evaluation(test::device(), file_of(log, scene), log, options).run();
 }
 
-/// What estimates of memory need not be right about.
-inline constexpr std::uint64_t kPage = 4096;
-
 /// Six pictures of 64 x 36 and six sweeps of 32 x 90, made once per process; frame 4 is held out of five.
 class SmallStreet : public testing::Test {
  protected:

@@ -161,7 +161,7 @@ TEST_F(ShardsTest, MemoryOfShardsIsTold) {
     if (use.now == 0) continue;
     const auto told = need.by_buffer.find(name);
     ASSERT_NE(told, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
-    EXPECT_LE(use.now, 2 * told->second + test::kPage) << name;
+    EXPECT_LE(use.now, 2 * told->second) << name;
   }
 }
 

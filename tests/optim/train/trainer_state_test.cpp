@@ -74,7 +74,7 @@ TEST_F(TrainerStateTest, MemoryOfAppearanceIsEstimated) {
     if (use.now == 0) continue;
     const auto told = need.by_buffer.find(name);
     ASSERT_NE(told, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
-    EXPECT_LE(use.now, 2 * told->second + test::kPage) << name;
+    EXPECT_LE(use.now, 2 * told->second) << name;
   }
   for (const char* item : {"environment", "colour grids"}) {
     EXPECT_TRUE(std::any_of(need.items.begin(), need.items.end(), [&](const MemoryItem& i) {
@@ -100,7 +100,7 @@ TEST_F(TrainerStateTest, MemoryIsEstimatedBeforeAndHoldsAfter) {
       if (use.now == 0) continue;
       const auto told = need.by_buffer.find(name);
       ASSERT_NE(told, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
-      EXPECT_LE(use.now, 2 * told->second + test::kPage) << name;
+      EXPECT_LE(use.now, 2 * told->second) << name;
     }
   }
   const std::uint64_t used = device.memory().peak - before;

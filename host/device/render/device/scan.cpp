@@ -38,7 +38,7 @@ ScanStage::ScanStage(const Device& device, std::size_t work_items)
 
 void ScanStage::launch(Buffer<std::uint32_t>& data, std::uint32_t n, std::uint32_t middle) {
   const auto block = static_cast<std::uint32_t>(work_items_ == 1 ? n : kOwn * work_items_);
-  const std::size_t groups = std::max<std::size_t>(1, block == 0 ? 0 : (n + block - 1) / block);
+  const std::size_t groups = sizes(buffers_.device(), n, work_items_).groups;
   buffers_.reserve({groups});
   const Binding blocks{"block", block};
   const std::size_t all = groups * work_items_;
@@ -51,6 +51,12 @@ void ScanStage::launch(Buffer<std::uint32_t>& data, std::uint32_t n, std::uint32
              {"middle", middle},
              {"sums", buffers_.sums},
              {"total", buffers_.total}});
+}
+
+ScanSizes ScanStage::sizes(const Device& device, std::uint64_t n, std::size_t work_items) {
+  if (work_items == 0) work_items = scan_work_items(device);
+  const std::size_t block = kOwn * work_items;
+  return {work_items == 1 ? 1 : std::max<std::uint64_t>(1, (n + block - 1) / block)};
 }
 
 std::uint64_t ScanStage::run(Buffer<std::uint32_t>& data, std::uint32_t n, bool wanted) {

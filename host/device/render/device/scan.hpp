@@ -36,6 +36,8 @@ class ScanStage {
   /// Of two lists that follow each other in data[0, 2 n): the first becomes its exclusive prefix sum, the
   /// second is lost; returns the totals of both, the first within 32 bits (waits, once).
   std::pair<std::uint32_t, std::uint64_t> run_two(Buffer<std::uint32_t>& data, std::uint32_t n);
+  /// What a list of n elements takes on a device.
+  [[nodiscard]] static ScanSizes sizes(const Device& device, std::uint64_t n, std::size_t work_items = 0);
 
  private:
   void launch(Buffer<std::uint32_t>& data, std::uint32_t n, std::uint32_t middle);
