@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "io/log/log.hpp"
 #include "optim/stretch/stretch_scene.hpp"
 
 namespace simuli {
@@ -18,12 +17,9 @@ namespace simuli {
 /// Where a training that is stored in `checkpoint` keeps its stretch number `index` when that is done.
 [[nodiscard]] std::filesystem::path stretch_file(const std::filesystem::path& checkpoint, std::size_t index);
 /// Keeps a part in a file, by the text that tells which training's it is. Atomic.
-void write_stretch(const std::filesystem::path& file, const std::string& settings, const StretchScene& part);
-/// The part again, the same bits; `log` has the actors and LiDARs that it was trained on. Error{kInput} for
-/// what is no such file, or of another training.
-[[nodiscard]] StretchScene read_stretch(const std::filesystem::path& file,
-                                        const std::string& settings,
-                                        const Log& log);
+void write_stretch(const std::filesystem::path& file, const std::string& settings, StretchScene& part);
+/// The part again, the same bits. Error{kInput} for what is no such file, or of another training.
+[[nodiscard]] StretchScene read_stretch(const std::filesystem::path& file, const std::string& settings);
 
 /// Those that are done, in their order.
 class StretchParts {
@@ -35,8 +31,8 @@ class StretchParts {
     kept_.push_back({{}, std::move(file), std::move(settings)});
   }
   [[nodiscard]] std::size_t count() const { return kept_.size(); }
-  /// Good until the next one is asked for. `log` and errors as in read_stretch().
-  [[nodiscard]] const StretchScene& part(std::size_t index, const Log& log);
+  /// Good until the next one is asked for. Errors as in read_stretch().
+  [[nodiscard]] const StretchScene& part(std::size_t index);
 
  private:
   struct StoredPart {

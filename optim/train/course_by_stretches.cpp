@@ -60,9 +60,7 @@ class CourseByStretches final : public TrainingCourse {
   void set_status(TrainStatus own);
   /// `file`: that it is kept in; empty: memory.
   void end_stretch(StretchScene part, const std::filesystem::path& file);
-  void read_done(const std::filesystem::path& file) {
-    end_stretch(read_stretch(file, identity(), drive_.log), file);
-  }
+  void read_done(const std::filesystem::path& file) { end_stretch(read_stretch(file, identity()), file); }
   void merge();
 
   TrainingDrive& drive_;
@@ -195,7 +193,7 @@ void CourseByStretches::end_stretch(StretchScene part, const std::filesystem::pa
 }
 
 void CourseByStretches::merge() {
-  const auto read = [&](std::size_t i) -> const StretchScene& { return done_.part(i, drive_.log); };
+  const auto read = [&](std::size_t i) -> const StretchScene& { return done_.part(i); };
   merged_ = merged(done_.count(), read, drive_.log.actors, parting());
   merged_->camera_filter_px2 = camera_filter_px2(drive_.options.train.render);
   done_ = {};

@@ -12,6 +12,7 @@
 #include "host/core/base/error.hpp"
 #include "host/core/scene/particle_order.hpp"
 #include "io/base/state_file.hpp"
+#include "optim/state/packed.hpp"
 #include "optim/train/memory.hpp"
 
 namespace simuli {
@@ -113,49 +114,19 @@ void add_range_biases(StateList& list, const Log& log, TruthCache& truth) {
   }
 }
 
-/// What has been learned of the actors' tracks.
-void add_tracks(StateList& list, std::vector<Actor>& actors) {
-  list.add_numbers(
-      "actors/offsets",
+/// With what has been learned of their tracks and shapes.
+void add_actors(StateList& list, std::vector<Actor>& actors) {
+  list.add(
+      "actors",
       [&actors] {
-        std::vector<double> out;
-        for (const Actor& actor : actors) {
-          for (const KeyPose& key : actor.track) {
-            out.insert(out.end(), key.shift_m.begin(), key.shift_m.end());
-            out.insert(out.end(), key.turn_rad.begin(), key.turn_rad.end());
-          }
-        }
-        return out;
+        Packed packed;
+        packed(actors);
+        return packed.bytes();
       },
-      [&actors](std::span<const double> numbers) {
-        for (Actor& actor : actors) {
-          for (KeyPose& key : actor.track) {
-            key.shift_m = Eigen::Vector3d(numbers.data());
-            key.turn_rad = Eigen::Vector3d(numbers.data() + 3);
-            numbers = numbers.subspan(6);
-          }
-        }
-      });
-}
-
-/// What has been learned of their shapes.
-void add_shapes(StateList& list, std::vector<Actor>& actors) {
-  list.add_numbers(
-      "actors/shapes",
-      [&actors] {
-        std::vector<double> out;
-        for (const Actor& actor : actors) {
-          const std::vector<double>& offsets = actor.deformation.offsets_m;
-          out.insert(out.end(), offsets.begin(), offsets.end());
-        }
-        return out;
-      },
-      [&actors](std::span<const double> numbers) {
-        for (Actor& actor : actors) {
-          std::vector<double>& offsets = actor.deformation.offsets_m;
-          std::copy_n(numbers.begin(), offsets.size(), offsets.begin());
-          numbers = numbers.subspan(offsets.size());
-        }
+      [&actors](const std::string& file, std::span<const std::byte> saved) {
+        Packed packed({saved.begin(), saved.end()}, file, "actors");
+        packed(actors);
+        packed.need_end();
       });
 }
 
@@ -228,8 +199,7 @@ StateList TrainerState::list(const std::string& settings) {
   lidar.add_state(states, "lidar");
   structure.add_state(states);
   if (options.length.automatic) add_length(states, length);
-  add_tracks(states, scene.actors);
-  add_shapes(states, scene.actors);
+  add_actors(states, scene.actors);
   for (TrainedSet* set : {&camera, &lidar}) {
     states.add_numbers(
         set == &camera ? "camera/poses" : "lidar/poses",

@@ -89,7 +89,7 @@ TEST_F(StretchSceneTest, BecomeOneWithAVistaEach) {
     parts[i].scene = owned(stretch(), parting_, i);
     // As a training that is gone on with finds it.
     write_stretch(scratch / std::to_string(i), "settings", parts[i]);
-    parts[i] = read_stretch(scratch / std::to_string(i), "settings", log_);
+    parts[i] = read_stretch(scratch / std::to_string(i), "settings");
     ASSERT_EQ(parts[i].scene.occluders.size(), 1U);
     EXPECT_EQ(parts[i].scene.occluders[0].track.size(), 61U);
   }
