@@ -23,9 +23,9 @@
 #include "host/apps/cli/report/training.hpp"
 #include "host/apps/cli/train/launched_ranks.hpp"
 #include "host/apps/cli/train/print_report.hpp"
-#include "host/apps/cli/train/program_build.hpp"
 #include "host/apps/cli/view/live_page.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/version.hpp"
 #include "io/base/output.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
@@ -247,7 +247,7 @@ void train_launched(const TrainCommand& command,
   };
   try {
     need_same(ranks,
-              {{"build", program_build(globals.commit)},
+              {{"build", fmt::format("{} {} {}", version(), globals.commit, build_id())},
                {"shards", fmt::format("{}", command.options.train.shards.count)}});
     try {
       Training::need_shards(ranks, command.options);
