@@ -241,7 +241,9 @@ class Drives {
     const double begun_s = processor_seconds();
     Log log = c.drive->log;
     if (!c.labels && has_boxes(log, options)) log.actors.clear();
-    Training training(device_, std::move(log), options);
+    TrainingOptions timed = options;
+    timed.keep_start = false;
+    Training training(device_, std::move(log), timed);
     Taken before;
     if (fs::exists(keeper.checkpoint())) {
       training.resume(keeper.checkpoint());

@@ -11,9 +11,13 @@
 #include "optim/fill/fill_behind.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/init/initialize_sets.hpp"
+#include "optim/log/sensor_learning.hpp"
 #include "optim/report/judgement.hpp"
 
 namespace simuli {
+
+static void pack(Packed& p, FoundActors& v) { p.all(v, v.actors, v.standing, v.report); }
+static void pack(Packed& p, SceneInit& v) { p.all(v, v.scene, v.unmet, v.report); }
 
 void if_there_is_room(const std::function<void()>& make) {
   try {
@@ -37,9 +41,26 @@ std::string TrainingDrive::identity() const {
   return fmt::format("log={} {}\n{}{}\n", log.name, log_hash, fixer, fmt::join(lines_of(same), "\n"));
 }
 
+Log TrainingDrive::with_learned_sensors(const Log& seen, const FrameSelection& frames) {
+  return cache.get(
+      report.start,
+      "learn sensors",
+      seen,
+      seen,
+      [&](const auto& read) { return simuli::with_learned_sensors(seen, read); },
+      frames);
+}
+
 void TrainingDrive::find_moving(const Log& seen, const FrameSelection& frames) {
   if (!options.find_actors || !options.init.actors) return;
-  FoundActors found = find_actors(seen, frames, options.actors);
+  FoundActors found = cache.get(
+      report.start,
+      "find what moves",
+      seen,
+      FoundActors{},
+      [&](const auto&... read) { return find_actors(seen, read...); },
+      frames,
+      options.actors);
   for (const std::string& name : found.standing) {
     report.labels.push_back(fmt::format("label {}: what is in it stands while it drives: left out", name));
     report.left_out.push_back(name);
@@ -69,10 +90,17 @@ CourseInOnePiece::CourseInOnePiece(TrainingDrive& drive,
       ray_drop_(std::move(ray_drop)) {}
 
 void CourseInOnePiece::start(const Training::Progress& progress) {
-  SceneInit begin = initialize_scene(
-      log_, options_.frames, options_.init, [&progress](std::size_t done, std::size_t total) {
-        if (progress) progress("initialise", done, total);
-      });
+  const auto tell = [&progress](std::size_t done, std::size_t total) {
+    if (progress) progress("initialise", done, total);
+  };
+  SceneInit begin = drive_.cache.get(
+      drive_.report.start,
+      "initialise",
+      log_,
+      SceneInit{},
+      [&](const auto&... read) { return initialize_scene(log_, read..., tell); },
+      options_.frames,
+      options_.init);
   drive_.report.init += begin.report;
   unmet_ = std::move(begin.unmet);
   if (!ray_drop_.empty()) begin.scene.ray_drop = ray_drop_;

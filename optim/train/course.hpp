@@ -11,6 +11,7 @@
 #include "io/scene/scene_folder.hpp"
 #include "optim/ranks/ranks.hpp"
 #include "optim/stretch/stretches.hpp"
+#include "optim/train/start_cache.hpp"
 #include "optim/train/trainer.hpp"
 #include "optim/train/training.hpp"
 
@@ -24,10 +25,13 @@ struct TrainingDrive {
             // actors
   std::string log_hash;  // as read
   TrainingOptions options;
-  TrainingReport report;
+  TrainingReport report = {};
+  StartCache cache = StartCache(options.keep_start);
 
   /// All that must be the same for it to be the same training, a line each.
   [[nodiscard]] std::string identity() const;
+  /// The log or a stretch of it with what its training sweeps say of its LiDARs.
+  [[nodiscard]] Log with_learned_sensors(const Log& seen, const FrameSelection& frames);
   /// What moves in `seen`, all of the log or a stretch, becomes the log's.
   void find_moving(const Log& seen, const FrameSelection& frames);
   [[nodiscard]] SceneFile file_of(Scene scene) const;

@@ -8,7 +8,6 @@
 #include "io/base/temporary.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/init/initialize_actors.hpp"
-#include "optim/log/sensor_learning.hpp"
 #include "optim/stretch/stretch_parts.hpp"
 #include "optim/train/course.hpp"
 
@@ -85,7 +84,7 @@ CourseByStretches::CourseByStretches(TrainingDrive& drive,
     : drive_(drive), path_(std::move(path)), stretches_(std::move(stretches)) {
   const TrainingOptions& o = drive.options;
   const FrameSelection all = nothing_held_out(o.frames);
-  if (o.learn_sensors) drive.log.lidars = with_learned_sensors(log_of_stretch(0), all).lidars;
+  if (o.learn_sensors) drive.log.lidars = drive.with_learned_sensors(log_of_stretch(0), all).lidars;
   std::vector<std::size_t> frames;
   for (std::size_t i = 0; i < stretches_.size(); ++i) {
     const Log own = log_of_stretch(i);

@@ -11,7 +11,6 @@
 #include "host/core/base/version.hpp"
 #include "io/log/frame_files.hpp"
 #include "io/log/mended_labels.hpp"
-#include "optim/log/sensor_learning.hpp"
 #include "optim/path/refined_path.hpp"
 #include "optim/stretch/stretch_parts.hpp"
 #include "optim/support/record_support.hpp"
@@ -20,6 +19,12 @@
 #include "optim/train/stretch_plan.hpp"
 
 namespace simuli {
+
+static void pack(Packed& p, PathReport& v) {
+  auto& [a, b, c, d, e, f, g, h, i] = v;
+  p(a, b, c, d, e, f, g, h, i);
+}
+static void pack(Packed& p, RefinedLog& v) { p(v.log, v.report); }
 
 struct Training::State {
   TrainingDrive drive;
@@ -36,8 +41,7 @@ struct Training::State {
 
 Training::Training(const Device& device, Log log, const TrainingOptions& options, Ranks& ranks) {
   const std::string hash = log_hash(log);
-  state_ =
-      std::make_unique<State>(State{{ranks, device, std::move(log), hash, checked(options), {}}, nullptr});
+  state_ = std::make_unique<State>(State{{ranks, device, std::move(log), hash, checked(options)}, nullptr});
   TrainingDrive& drive = state_->drive;
   need_shards(ranks, drive.options);
   need_uncut(drive.options);
@@ -79,7 +83,10 @@ void Training::State::choose_course(const Progress& progress) {
   need_same(drive.ranks, rank_fields());
   drive.report.labels = mend_labels(drive.log);
   if (drive.options.refine_path) {
-    RefinedLog refined = with_refined_path(std::move(drive.log), progress);
+    RefinedLog refined =
+        drive.cache.get(drive.report.start, "refine path", drive.log, RefinedLog{drive.log, {}}, [&] {
+          return with_refined_path(drive.log, progress);
+        });
     drive.log = std::move(refined.log);
     drive.report.path = std::move(refined.report);
   }
@@ -101,7 +108,7 @@ void Training::State::choose_course(const Progress& progress) {
   };
   if (o.learn_sensors) {
     tell("learn sensors", 0);
-    drive.log = with_learned_sensors(std::move(drive.log), o.frames);
+    drive.log = drive.with_learned_sensors(drive.log, o.frames);
   }
   tell("find what moves", 0);
   drive.find_moving(drive.log, o.frames);
@@ -130,6 +137,8 @@ const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& 
   std::vector<std::string>& warnings = state_->drive.report.train.warnings;
   const std::vector<std::string>& labels = state_->drive.report.labels;
   warnings.insert(warnings.end(), labels.begin(), labels.end());
+  const std::vector<std::string>& damaged = state_->drive.report.start.damaged;
+  warnings.insert(warnings.end(), damaged.begin(), damaged.end());
   for (const SensorUse& use : sensor_uses(state_->drive.log, HeldOutRule(state_->drive.log, frames))) {
     const auto& asked = frames.held_out_sensors;
     if (use.training > 0 || std::find(asked.begin(), asked.end(), use.sensor) != asked.end()) continue;

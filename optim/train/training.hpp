@@ -16,12 +16,14 @@
 #include "optim/path/path_report.hpp"
 #include "optim/ranks/ranks.hpp"
 #include "optim/report/train_report.hpp"
+#include "optim/train/start_report.hpp"
 #include "optim/train/training_options.hpp"
 
 namespace simuli {
 
 /// How a training went: its start, and what followed.
 struct TrainingReport {
+  StartReport start;
   StretchPlan stretches;
   PathReport path;
   FindReport found;                   // zeros: not searched

@@ -23,6 +23,7 @@ struct TrainingOptions {
   TrainOptions train = {};
   FixerOptions fixer = {};
   StretchOptions stretches = {};
+  bool keep_start = true;          // for the next training, and from the one before (start_cache.hpp)
   std::string fixer_command = {};  // that mends pictures from beside the path (docs/FIXERS.md); empty: none
 };
 
@@ -53,6 +54,7 @@ constexpr void visit_fields(TrainingOptions& o, F&& field) {
         "of the training, holes there.");
   field.part("", o.fixer);
   field.part("", o.stretches);
+  field.keyless(o.keep_start);
   field.keyless(o.fixer_command);
 }
 

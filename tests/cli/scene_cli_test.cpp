@@ -40,9 +40,9 @@ class SceneCli : public Cli {
 
 TEST_F(SceneCli, TrainingIsReported) {
   make_scene();
-  const Outcome train = run(
-      "train s.log -o again.scene --iterations 3 --set init.voxel_m=0.3 --json-progress --report train.html "
-      "--tensorboard runs");
+  const Outcome train =
+      run("train s.log -o again.scene --iterations 3 --set init.voxel_m=0.3 --no-cache --json-progress "
+          "--report train.html --tensorboard runs");
   ASSERT_EQ(train.exit_code, 0) << train.err;
   // Every line of progress is an object of its own; the last of the training holds its numbers.
   std::istringstream lines(train.err);

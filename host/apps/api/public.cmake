@@ -62,7 +62,7 @@ set(SIMULI_PUBLIC_training
   optim/log/sensor_learning.hpp optim/poses/pose_rates.hpp optim/train/schedule.hpp
   optim/train/structure_options.hpp optim/length/length_options.hpp optim/train/train_options.hpp
   optim/fixer/fixer_options.hpp optim/stretch/stretch_options.hpp optim/report/train_report.hpp optim/train/training_options.hpp optim/ranks/ranks.hpp
-  optim/ranks/rank_threads.hpp optim/train/training.hpp)
+  optim/ranks/rank_threads.hpp optim/train/start_report.hpp optim/train/training.hpp)
 set(SIMULI_PUBLIC_evaluation
   "A scene beside a log: what `simuli eval` does."
   optim/base/metrics.hpp optim/eval/eval_options.hpp optim/eval/eval_settings.hpp

@@ -199,8 +199,10 @@ TrainHistory run_training(Training& training,
   }
   stages.finish();
   // Not before it is ready: a request that is refused leaves one line.
-  if (!outputs.frames.empty() && (style == ProgressStyle::kBar || style == ProgressStyle::kLines)) {
-    std::cerr << fmt::format("simuli: frames to train on: {}\n", outputs.frames);
+  if (style == ProgressStyle::kBar || style == ProgressStyle::kLines) {
+    if (const double saved_s = training.report().start.saved_s; saved_s > 0.0)
+      std::cerr << fmt::format("simuli: the start is kept from before: {} saved\n", format_duration(saved_s));
+    if (!outputs.frames.empty()) std::cerr << fmt::format("simuli: frames to train on: {}\n", outputs.frames);
   }
   if (const StretchPlan& plan = training.report().stretches; plan.count > 0 && ranks.is_first()) {
     std::cerr << plan_text(plan) << '\n';

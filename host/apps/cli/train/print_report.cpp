@@ -133,6 +133,7 @@ void print_report(const EndedTraining& ended, bool json) {
                       {"ranks", r.ranks},
                       {"gathered_bytes", r.gathered_bytes},
                       {"init_seconds", init.seconds},
+                      {"saved_seconds", report.start.saved_s},
                       {"seconds", r.seconds},
                       {"held_out", ended.held_out ? to_json(*ended.held_out) : Json()},
                       {"report", ended.report.empty() ? Json() : Json(ended.report)}};

@@ -43,6 +43,7 @@ struct TrainCommand {
   std::string log;
   std::string output;
   bool overwrite = false;
+  bool new_start = false;
   std::vector<std::string> settings;
   std::vector<std::string> sensors;  // to train on; empty: all
   TrainingOptions options;
@@ -268,6 +269,7 @@ void train_launched(const TrainCommand& command,
 
 void train_on_ranks(TrainCommand command, const Globals& globals) {
   TrainingOptions& options = command.options;
+  options.keep_start = !command.new_start;
   options.train.render = training_options_of(globals.quality);
   fields_of(options).apply(command.settings);
   static_cast<void>(checked(options));
@@ -355,6 +357,11 @@ void add_train(Command app, const Globals& globals) {
            command->outputs.resume,
            "go on from OUTPUT.checkpoint, if it is there; with more --iterations also from the end of a "
            "training that has kept it: the rates of what is left are those of the longer training");
+  sub.flag(
+      "--no-cache",
+      command->new_start,
+      "make the start anew, and keep it nowhere; else that of a training of the same log and settings is "
+      "found in ~/.cache/simuli (SIMULI_CACHE_DIR)");
   sub.option("--fixer",
              command->options.fixer_command,
              "program, with arguments, that mends pictures from beside the path for the scene to learn from: "
