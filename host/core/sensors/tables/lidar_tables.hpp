@@ -1,7 +1,10 @@
 #pragma once
 // The built-in beam tables as they stand in lidar_tables_*.cpp; lidar_library.cpp turns them into models.
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <span>
 
 #include "host/core/sensors/lidar_library.hpp"
@@ -40,6 +43,31 @@ struct LidarTable {
   const char* licence = "";
   const char* note = "";
 };
+
+/// One value after the other.
+template <std::size_t N>
+constexpr std::array<std::int32_t, N> in_steps(std::int32_t first, std::int32_t step) {
+  std::array<std::int32_t, N> values{};
+  for (std::size_t i = 0; i < N; ++i) values[i] = first + static_cast<std::int32_t>(i) * step;
+  return values;
+}
+/// Angles from a first one downwards, at steps.
+template <std::size_t N>
+constexpr std::array<std::int32_t, N> in_steps_deg(double first_deg, double step_deg) {
+  std::array<std::int32_t, N> values{};
+  for (std::size_t i = 0; i < N; ++i) {
+    const double urad = (first_deg - static_cast<double>(i) * step_deg) * (1e6 * std::numbers::pi / 180.0);
+    values[i] = static_cast<std::int32_t>(urad + (urad < 0.0 ? -0.5 : 0.5));
+  }
+  return values;
+}
+/// The same values over and over.
+template <std::size_t N, std::size_t M>
+constexpr std::array<std::int32_t, N> repeated(const std::array<std::int32_t, M>& values) {
+  std::array<std::int32_t, N> all{};
+  for (std::size_t i = 0; i < N; ++i) all[i] = values[i % M];
+  return all;
+}
 
 [[nodiscard]] std::span<const LidarTable> datasets_lidar_tables();
 [[nodiscard]] std::span<const LidarTable> hesai_lidar_tables();
