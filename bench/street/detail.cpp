@@ -92,7 +92,7 @@ StreetSide& StreetSide::of(StreetMaterial material,
 }
 
 StreetSolid& StreetSide::add(
-    StreetShape shape, const Vector3d& a, const Vector3d& b, const Vector3d& centre, double radius) {
+    StreetShape* shape, const Vector3d& a, const Vector3d& b, const Vector3d& centre, double radius) {
   StreetSolid solid;
   solid.shape = shape;
   solid.material = material_;
@@ -109,7 +109,7 @@ StreetSolid& StreetSide::add(
 
 StreetSolid& StreetSide::box(double x0, double x1, double y0, double y1, double z0, double z1) {
   const Vector3d a = placed(x0, y0, z0), b = placed(x1, y1, z1);
-  return add(StreetShape::kBox, a, b, a.cwiseMin(b), 0.0);
+  return add(meet_box, a, b, a.cwiseMin(b), 0.0);
 }
 
 StreetSolid& StreetSide::cut(double x0,
@@ -121,7 +121,7 @@ StreetSolid& StreetSide::cut(double x0,
                              const Vector3d& axis,
                              const Vector3d& through) {
   StreetSolid& solid = box(x0, x1, y0, y1, z0, z1);
-  solid.shape = StreetShape::kCutBox;
+  solid.shape = meet_cut;
   solid.axis = placed(axis.x(), axis.y(), axis.z()).normalized();
   solid.radius = solid.axis.dot(placed(through.x(), through.y(), through.z()));
   return solid;
@@ -129,26 +129,26 @@ StreetSolid& StreetSide::cut(double x0,
 
 StreetSolid& StreetSide::pole(double x, double y, double z0, double z1, double radius) {
   const Vector3d foot = placed(x, y, z0), arm(radius, radius, 0.0);
-  return add(StreetShape::kPole, foot - arm, foot + arm + Vector3d(0.0, 0.0, z1 - z0), foot, radius);
+  return add(meet_pole, foot - arm, foot + arm + Vector3d(0.0, 0.0, z1 - z0), foot, radius);
 }
 
 StreetSolid& StreetSide::rod(const Vector3d& from, const Vector3d& to, double radius) {
   const Vector3d a = placed(from.x(), from.y(), from.z()), b = placed(to.x(), to.y(), to.z());
   const Vector3d arm = Vector3d::Constant(radius);
-  StreetSolid& solid = add(StreetShape::kRod, a.cwiseMin(b) - arm, a.cwiseMax(b) + arm, a, radius);
+  StreetSolid& solid = add(meet_rod, a.cwiseMin(b) - arm, a.cwiseMax(b) + arm, a, radius);
   solid.axis = b - a;
   return solid;
 }
 
 StreetSolid& StreetSide::ball(double x, double y, double z, double radius) {
   const Vector3d centre = placed(x, y, z), arm = Vector3d::Constant(radius);
-  return add(StreetShape::kSphere, centre - arm, centre + arm, centre, radius);
+  return add(meet_sphere, centre - arm, centre + arm, centre, radius);
 }
 
 StreetSolid& StreetSide::plate(double x, double y, double z, double radius, int sides) {
   const double reach = sides == 3 ? 2.0 : 1.5;  // of a triangle's corners; a square's
   const Vector3d centre = placed(x, y, z), arm(0.0, reach * radius, reach * radius);
-  StreetSolid& solid = add(StreetShape::kPlate, centre - arm, centre + arm, centre, radius);
+  StreetSolid& solid = add(meet_plate, centre - arm, centre + arm, centre, radius);
   solid.axis.x() = sides;
   return solid;
 }

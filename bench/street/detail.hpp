@@ -17,6 +17,14 @@ inline constexpr double kCrossingFirst_m = 36.0;  // x of the zebra crossings, o
 inline constexpr double kCrossingEvery_m = 80.0;
 inline constexpr double kCrossingLong_m = 3.0;
 
+/// All within radius of the line from centre to centre + axis.
+StreetShape meet_rod;
+/// What of the box has axis . p <= radius (m, world), axis of length 1.
+StreetShape meet_cut;
+/// Its face towards the ray: no thickness, across x, with axis.x() sides of which each is `radius` from its middle,
+/// one of them below; no sides: round.
+StreetShape meet_plate;
+
 /// Adds solids on one side of the street. y is counted from the road's middle outwards, so that both sides
 /// are written alike.
 class StreetSide {
@@ -54,7 +62,7 @@ class StreetSide {
 
  private:
   [[nodiscard]] Eigen::Vector3d placed(double x, double y, double z) const { return {x, side_ * y, z}; }
-  StreetSolid& add(StreetShape shape,
+  StreetSolid& add(StreetShape* shape,
                    const Eigen::Vector3d& a,
                    const Eigen::Vector3d& b,
                    const Eigen::Vector3d& centre,

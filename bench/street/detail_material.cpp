@@ -56,7 +56,7 @@ StreetSurface lettering(const StreetSolid& s, const Vector3d& p, const Vector3d&
 
 StreetSurface poster(const StreetSolid& s, const Vector3d& p, const Vector3d& normal, std::uint64_t seed) {
   if (std::abs(normal.z()) > 0.5) return scaled(s.tint, s.reflectance, 0.8);
-  const bool is_round = s.shape == StreetShape::kPole;
+  const bool is_round = s.shape == meet_pole;
   const double tall = s.high.z() - s.low.z(), v = (p.z() - s.low.z()) / tall;
   double u = 0.0, wide = 0.0;
   if (is_round) {
@@ -140,9 +140,8 @@ StreetSurface striped(const StreetSolid& s, const Vector3d& p) {
 }
 
 StreetSurface slatted(const StreetSolid& s, const Vector3d& p, double footprint_m) {
-  const double at = s.shape == StreetShape::kPole
-                        ? std::atan2(p.y() - s.centre.y(), p.x() - s.centre.x()) * s.radius
-                        : p.z();
+  const double at =
+      s.shape == meet_pole ? std::atan2(p.y() - s.centre.y(), p.x() - s.centre.x()) * s.radius : p.z();
   return scaled(s.tint, s.reflectance, 1.0 + 0.3 * fine(0.05, footprint_m) * std::sin(kTwoPi * at / 0.1));
 }
 
@@ -261,7 +260,7 @@ StreetSurface detail_vehicle(
     default: {
       if (std::abs(n.y()) > 0.5) {
         const double length = front - rear;
-        const double ahead = length > 3.0 || s.shape == StreetShape::kCutBox ? 1.3 : 1.9;
+        const double ahead = length > 3.0 || s.shape == meet_cut ? 1.3 : 1.9;
         const double wheel =
             std::min(std::hypot(q.x() - ahead, q.z() - 0.32), std::hypot(q.x() + 1.3, q.z() - 0.32));
         if (wheel < 0.20) {

@@ -1,7 +1,6 @@
 #include "io/synth/long_street.hpp"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <mutex>
@@ -233,9 +232,8 @@ struct LongStreet::State {
       StreetCrossing found{end, Vector3d::Zero()};
       const StreetSolid* met = nullptr;
       for (const StreetSolid& solid : solids(k)) {
-        const bool is_met = solid.shape == StreetShape::kBox
-                                ? meet_cut_box(solid, from, along, start, cut, found)
-                                : meet_solid(solid, from, along, inverse, found);
+        const bool is_met = solid.shape == meet_box ? meet_cut_box(solid, from, along, start, cut, found)
+                                                    : solid.shape(solid, from, along, inverse, found);
         if (is_met) met = &solid;
       }
       if (met != nullptr) {
@@ -363,7 +361,7 @@ StreetHit LongStreet::trace(const Vector3d& origin,
     const Vector3d from = car_from_world * origin, along = car_from_world.rotation * direction;
     StreetCrossing on_car{nearest.range, Vector3d::Zero()};
     for (const StreetSolid& solid : s.car) {
-      if (!meet_solid(solid, from, along, along.cwiseInverse(), on_car)) continue;
+      if (!solid.shape(solid, from, along, along.cwiseInverse(), on_car)) continue;
       met = &solid;
       nearest = {on_car.range, car_from_world.rotation.conjugate() * on_car.normal};
       own_from_world = car_from_world;

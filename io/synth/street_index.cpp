@@ -88,7 +88,7 @@ const StreetSolid* StreetIndex::meet(const std::vector<StreetSolid>& solids,
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
       const StreetSolid& solid = solids[order_[i]];
-      if (meet_solid(solid, origin, direction, inverse, nearest)) met = &solid;
+      if (solid.shape(solid, origin, direction, inverse, nearest)) met = &solid;
     }
   }
   return met;

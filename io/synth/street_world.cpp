@@ -34,7 +34,7 @@ StreetSolid pole(StreetMaterial material,
                  const Eigen::Vector3d& tint,
                  double reflectance) {
   const Eigen::Vector3d arm(radius, radius, 0.0);
-  return {StreetShape::kPole,
+  return {meet_pole,
           material,
           foot - arm,
           foot + arm + Eigen::Vector3d(0.0, 0.0, height),
@@ -50,7 +50,7 @@ StreetSolid sphere(StreetMaterial material,
                    const Eigen::Vector3d& tint,
                    double reflectance) {
   const Eigen::Vector3d arm = Eigen::Vector3d::Constant(radius);
-  return {StreetShape::kSphere, material, centre - arm, centre + arm, centre, radius, tint, reflectance};
+  return {meet_sphere, material, centre - arm, centre + arm, centre, radius, tint, reflectance};
 }
 
 void add_signs(std::vector<StreetSolid>& to) {
@@ -86,7 +86,7 @@ StreetSolid street_box(StreetMaterial material,
                        const Eigen::Vector3d& high,
                        const Eigen::Vector3d& tint,
                        double reflectance) {
-  return {StreetShape::kBox, material, low, high, low, 0.0, tint, reflectance};
+  return {meet_box, material, low, high, low, 0.0, tint, reflectance};
 }
 
 void add_street_car(std::vector<StreetSolid>& to, const Eigen::Vector3d& at, const Eigen::Vector3d& tint) {

@@ -40,15 +40,32 @@ enum class StreetMaterial {
   kNumberPlate
 };
 
-enum class StreetShape { kBox, kPole, kSphere, kRod, kCutBox, kPlate };
+/// Distance along a ray and the normal there.
+struct StreetCrossing {
+  double range = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+};
 
-/// One solid. Box: low and high corners. Pole (vertical cylinder): axis through centre from low.z to high.z.
-/// Sphere: centre and radius. `centre` is also where the patterns start.
-/// A detail (bench/street) has more. Rod: all within radius of the line from centre to centre + axis. Cut
-/// box: what of the box has axis . p <= radius (m, world), axis of length 1. Plate: no thickness, across x,
-/// with axis.x() sides of which each is `radius` from its middle, one of them below; no sides: round.
+struct StreetSolid;
+/// The crossing with a solid of that shape becomes `nearest` where it is nearer, and the result true. Details
+/// (bench/street) have shapes of their own.
+using StreetShape = bool(const StreetSolid& solid,
+                         const Eigen::Vector3d& origin,
+                         const Eigen::Vector3d& direction,
+                         const Eigen::Vector3d& inverse,
+                         StreetCrossing& nearest);
+/// Low and high corners; a ray from inside meets nothing.
+StreetShape meet_box;
+/// A vertical cylinder: axis through centre from low.z to high.z, its foot on the ground.
+StreetShape meet_pole;
+/// Centre and radius.
+StreetShape meet_sphere;
+/// Hits nearer than this are the surface the ray starts on.
+inline constexpr double kNearestHit_m = 1e-9;
+
+/// One solid. `centre` is also where the patterns start.
 struct StreetSolid {
-  StreetShape shape = StreetShape::kBox;
+  StreetShape* shape = meet_box;
   StreetMaterial material = StreetMaterial::kAsphalt;
   Eigen::Vector3d low = Eigen::Vector3d::Zero();     // m, bounds in any shape
   Eigen::Vector3d high = Eigen::Vector3d::Zero();    // m
@@ -65,17 +82,11 @@ struct StreetSurface {
   double reflectance = 0.0;
 };
 
-/// Distance along a ray and the normal there.
-struct StreetCrossing {
-  double range = std::numeric_limits<double>::infinity();
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-};
-
 /// A tree of bounding boxes over solids: a ray tests those alone whose boxes it crosses.
 class StreetIndex {
  public:
   explicit StreetIndex(const std::vector<StreetSolid>& solids);
-  /// As meet_solid() with each of the solids that the index was made of.
+  /// As the shape of each of the solids that the index was made of.
   [[nodiscard]] const StreetSolid* meet(const std::vector<StreetSolid>& solids,
                                         const Eigen::Vector3d& origin,
                                         const Eigen::Vector3d& direction,
@@ -159,12 +170,6 @@ void add_street_furniture(
 /// A car whose middle stands on the road at `at`, as long as the x axis.
 void add_street_car(std::vector<StreetSolid>& to, const Eigen::Vector3d& at, const Eigen::Vector3d& tint);
 
-/// The crossing with the solid becomes `nearest` where it is nearer, and the result true.
-bool meet_solid(const StreetSolid& solid,
-                const Eigen::Vector3d& origin,
-                const Eigen::Vector3d& direction,
-                const Eigen::Vector3d& inverse,
-                StreetCrossing& nearest);
 /// Sun and sky light, the same all day: no cast shadows, so that appearance depends on the surface alone.
 [[nodiscard]] double street_light(const Eigen::Vector3d& normal);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+#include "bench/street/detail.hpp"
 #include "io/synth/street.hpp"
 #include "io/synth/street_world.hpp"
 #include "tests/io/scratch.hpp"
@@ -46,7 +47,7 @@ TEST(DetailedStreet, IndexFindsWhatTestingEverySolidFinds) {
     const Vector3d inverse = ray.direction.cwiseInverse();
     StreetCrossing all{200.0, Vector3d::Zero()}, found = all;
     for (const StreetSolid& solid : world.solids) {
-      (void)meet_solid(solid, ray.origin, ray.direction, inverse, all);
+      (void)solid.shape(solid, ray.origin, ray.direction, inverse, all);
     }
     const StreetSolid* solid = world.index.meet(world.solids, ray.origin, ray.direction, inverse, found);
     EXPECT_EQ(found.range, all.range) << i;
@@ -68,7 +69,7 @@ TEST(DetailedStreet, SolidsLieWithinTheirBounds) {
           Vector3d::Unit(side / 2) * (side % 2 == 0 ? 1.0 : -1.0) + Vector3d(0.01, 0.02, 0.005);
       const Vector3d direction = towards.normalized(), origin = middle - 300.0 * direction;
       StreetCrossing at;
-      if (!meet_solid(solid, origin, direction, direction.cwiseInverse(), at)) continue;
+      if (!solid.shape(solid, origin, direction, direction.cwiseInverse(), at)) continue;
       const Vector3d point = origin + at.range * direction;
       ASSERT_TRUE((point.array() >= solid.low.array() - 1e-6).all()) << i;
       ASSERT_TRUE((point.array() <= solid.high.array() + 1e-6).all()) << i;
@@ -185,7 +186,7 @@ TEST(DetailedStreet, LidarMeetsThinThings) {
                                                 direction.cwiseInverse(),
                                                 at);
     if (solid == nullptr || std::abs(at.range - static_cast<double>(sweep.range[i])) > 1e-3) continue;
-    const bool is_long = solid->shape == StreetShape::kPole || solid->shape == StreetShape::kRod;
+    const bool is_long = solid->shape == meet_pole || solid->shape == bench::meet_rod;
     thin += is_long && solid->radius < 0.04 ? 1 : 0;
     leaves += solid->material == StreetMaterial::kLeaves ? 1 : 0;
   }
