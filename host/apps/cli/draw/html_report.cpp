@@ -8,12 +8,15 @@
 #include <utility>
 
 #include "host/apps/cli/draw/html_text.hpp"
-#include "host/apps/cli/draw/page.hpp"
 #include "host/apps/cli/draw/pictures.hpp"
 #include "host/core/base/error.hpp"
+#include "host/device/runtime/source.hpp"
 #include "io/base/file.hpp"
 
 namespace simuli {
+namespace cli {
+std::span<const EmbeddedFile> report_files();  // of page/, embedded by the build
+}  // namespace cli
 namespace {
 
 /// A file of host/apps/cli/draw/page/.
@@ -95,12 +98,24 @@ std::string boxes_text(const std::vector<CloudBox>& boxes) {
   return "[" + text + "]";
 }
 
+/// Empty without a drawing.
+std::string chart_figure(const std::string& title,
+                         const std::vector<ChartSeries>& series,
+                         const std::string& svg) {
+  if (svg.empty()) return {};
+  return fmt::format("<figure><figcaption>{}{}</figcaption><div class=\"shot\">{}</div></figure>\n",
+                     escaped_html(title),
+                     chart_legend(series),
+                     svg);
+}
+
 }  // namespace
 
 HtmlReport::HtmlReport(std::string title, std::string subtitle)
     : title_(std::move(title)), subtitle_(std::move(subtitle)) {}
 
 void HtmlReport::add(const std::string& group, const std::string& html) {
+  if (html.empty()) return;
   if (group != group_) {
     if (!group_.empty()) body_ += "</div>\n";
     if (!group.empty()) body_ += fmt::format("<div class=\"{}\">\n", group);
@@ -170,25 +185,13 @@ void HtmlReport::folded_table(const std::string& summary,
 void HtmlReport::chart(const std::string& title,
                        const std::string& x_label,
                        const std::vector<ChartSeries>& series) {
-  const std::string svg = curves_svg(x_label, series);
-  if (svg.empty()) return;
-  add("charts",
-      fmt::format("<figure><figcaption>{}{}</figcaption><div class=\"shot\">{}</div></figure>\n",
-                  escaped_html(title),
-                  chart_legend(series),
-                  svg));
+  add("charts", chart_figure(title, series, curves_svg(x_label, series)));
 }
 
 void HtmlReport::bars(const std::string& title,
                       const std::vector<std::string>& labels,
                       const std::vector<ChartSeries>& series) {
-  const std::string svg = bars_svg(labels, series);
-  if (svg.empty()) return;
-  add("charts",
-      fmt::format("<figure><figcaption>{}{}</figcaption><div class=\"shot\">{}</div></figure>\n",
-                  escaped_html(title),
-                  chart_legend(series),
-                  svg));
+  add("charts", chart_figure(title, series, bars_svg(labels, series)));
 }
 
 void HtmlReport::add_figure(const Image& size, const std::string& shot, const std::string& caption) {

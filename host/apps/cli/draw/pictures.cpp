@@ -6,7 +6,6 @@
 #include <limits>
 #include <numeric>
 #include <utility>
-#include <variant>
 
 #include "host/apps/cli/draw/sweep_canvas.hpp"
 #include "host/core/base/error.hpp"

@@ -1,7 +1,6 @@
 #include "host/apps/cli/draw/unseen.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace simuli::cli {
 namespace {

@@ -5,12 +5,15 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <fmt/format.h>
 #include <memory>
 #include <poll.h>
 #include <string>
 #include <sys/socket.h>
 #include <unistd.h>
 #include <utility>
+
+#include "host/apps/cli/base/refuse.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -148,7 +151,37 @@ GuardedServer::GuardedServer() : crowd_(std::make_shared<Crowd>()) {
   new_task_queue = [crowd = crowd_] { return new Queue(crowd); };
 }
 
-void GuardedServer::widen_backlog() { static_cast<void>(::listen(svr_sock_, kBacklog)); }
+GuardedServer::~GuardedServer() {
+  stop();
+  wait();
+}
+
+void GuardedServer::start(const std::string& host, int port, const char* option) {
+  // The library's own choice (SO_REUSEPORT) would let a second server listen on a port that is taken.
+  set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  });
+  host_ = host;
+  port_ = port == 0 ? bind_to_any_port(host) : port;
+  if (port == 0 ? port_ <= 0 : !bind_to_port(host, port)) {
+    throw_usage_error(
+        option, fmt::format("{} on {}, which can't be bound", port, host), "a free one, or 0 for any");
+  }
+  // More than the library asks for: connections that come at the same time are kept instead of tried again after a
+  // second.
+  static_cast<void>(::listen(svr_sock_, kBacklog));
+  thread_ = std::thread([this] { listen_after_bind(); });
+}
+
+std::string GuardedServer::url() const {
+  const bool is_v6 = host_.find(':') != std::string::npos;
+  return fmt::format("http://{}:{}", is_v6 ? "[" + host_ + "]" : host_, port_);
+}
+
+void GuardedServer::wait() {
+  if (thread_.joinable()) thread_.join();
+}
 
 bool GuardedServer::process_and_close_socket(socket_t socket) {
   bool served = false;

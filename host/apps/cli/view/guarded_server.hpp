@@ -4,6 +4,8 @@
 #include <Eigen/Core>  // before httplib.h, with which <resolv.h> makes a macro of a name of Eigen's
 #include <httplib.h>
 #include <memory>
+#include <string>
+#include <thread>
 
 namespace simuli::cli {
 
@@ -13,9 +15,14 @@ namespace simuli::cli {
 class GuardedServer : public httplib::Server {
  public:
   GuardedServer();
-  /// More than the library asks for: connections that come at the same time are kept instead of tried again
-  /// after a second. To be called when bound.
-  void widen_backlog();
+  ~GuardedServer() override;
+  /// Answers from threads of its own until it is destroyed; `port` 0: any free one. Error{kUsage} naming `option`
+  /// where the address can't be bound.
+  void start(const std::string& host, int port, const char* option);
+  /// "http://127.0.0.1:8080".
+  [[nodiscard]] std::string url() const;
+  /// Returns when it has stopped.
+  void wait();
 
  private:
   struct Crowd;
@@ -24,6 +31,9 @@ class GuardedServer : public httplib::Server {
   bool process_and_close_socket(socket_t socket) override;
 
   std::shared_ptr<Crowd> crowd_;
+  std::thread thread_;
+  std::string host_;
+  int port_ = 0;
 };
 
 }  // namespace simuli::cli

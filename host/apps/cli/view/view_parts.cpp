@@ -1,6 +1,5 @@
 #include "host/apps/cli/view/view_parts.hpp"
 
-#include <algorithm>
 #include <cstdint>
 #include <utility>
 

@@ -8,17 +8,15 @@
 #include <functional>
 #include <httplib.h>
 #include <string_view>
-#include <sys/socket.h>
-#include <thread>
 
-#include "host/apps/cli/base/refuse.hpp"
 #include "host/apps/cli/view/guarded_server.hpp"
 #include "host/apps/cli/view/loopback.hpp"
-#include "host/apps/cli/view/page.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/base/one_line.hpp"
+#include "host/device/runtime/source.hpp"
 
 namespace simuli::cli {
+std::span<const EmbeddedFile> page_files();  // of page/, embedded by the build
 namespace {
 
 constexpr std::size_t kLargestRequest = std::size_t{1} << 20U;
@@ -73,10 +71,8 @@ std::string type_of(std::string_view path) {
 }  // namespace
 
 struct ViewServer::Impl {
-  GuardedServer server;
-  std::thread thread;
   ServerOptions options;
-  int port = 0;
+  GuardedServer server;  // stops before what it reads goes
 };
 
 ViewServer::ViewServer(ViewAnswers& answers, const ServerOptions& options) : impl_(std::make_unique<Impl>()) {
@@ -90,11 +86,6 @@ ViewServer::ViewServer(ViewAnswers& answers, const ServerOptions& options) : imp
   }
   impl_->options = options;
   GuardedServer& server = impl_->server;
-  // The library's own choice (SO_REUSEPORT) would let a second server listen on a port that is taken.
-  server.set_socket_options([](socket_t socket) {
-    const int yes = 1;
-    ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
-  });
   server.set_payload_max_length(kLargestFile);
   server.set_default_headers({{"Cache-Control", "no-store"},
                               {"X-Content-Type-Options", "nosniff"},
@@ -194,33 +185,16 @@ ViewServer::ViewServer(ViewAnswers& answers, const ServerOptions& options) : imp
   post("/api/add", json, kLargestFile, [&](const httplib::Request& request, const std::string& body) {
     return answers.add(request.get_param_value("file"), body, seconds_of(request.get_param_value("time_s")));
   });
-  impl_->port = options.port;
-  const bool bound = options.port == 0 ? (impl_->port = server.bind_to_any_port(options.host)) > 0
-                                       : server.bind_to_port(options.host, options.port);
-  if (!bound) {
-    throw_usage_error("--port",
-                      fmt::format("{} on {}, which can't be bound", options.port, options.host),
-                      "a free one, or 0 for any");
-  }
-  server.widen_backlog();
-  impl_->thread = std::thread([this] { impl_->server.listen_after_bind(); });
+  server.start(options.host, options.port, "--port");
 }
 
-ViewServer::~ViewServer() {
-  impl_->server.stop();
-  if (impl_->thread.joinable()) impl_->thread.join();
-}
+ViewServer::~ViewServer() = default;
 
 std::string ViewServer::url() const {
-  const ServerOptions& o = impl_->options;
-  const bool is_v6 = o.host.find(':') != std::string::npos;
-  const std::string address = is_v6 ? "[" + o.host + "]" : o.host;
-  return fmt::format(
-      "http://{}:{}/{}", address, impl_->port, o.token.empty() ? "" : "?token=" + escaped(o.token));
+  const std::string& token = impl_->options.token;
+  return fmt::format("{}/{}", impl_->server.url(), token.empty() ? "" : "?token=" + escaped(token));
 }
 
-void ViewServer::wait() {
-  if (impl_->thread.joinable()) impl_->thread.join();
-}
+void ViewServer::wait() { impl_->server.wait(); }
 
 }  // namespace simuli::cli
