@@ -26,6 +26,7 @@
 #include "optim/init/initialize_views.hpp"
 #include "optim/init/initialize_walls.hpp"
 #include "optim/init/posed_frames.hpp"
+#include "optim/init/sky.hpp"
 #include "optim/init/walls_upward.hpp"
 #include "optim/points/points.hpp"
 
@@ -124,6 +125,9 @@ constexpr double kShellSpacing_deg = 0.5;
 /// stand there: most of them.
 constexpr double kShellOpenShare = 0.5;
 
+/// Pictures that must show sky where a point stands for it to go: one may err.
+constexpr int kLeastAgainst = 2;
+
 /// One initialisation, step by step: what the steps share.
 class Initialisation {
  public:
@@ -170,6 +174,8 @@ class Initialisation {
   void place_dark_surfaces();
   void add_ground();
   void add_points_of_pictures();
+  [[nodiscard]] SkyMasks find_sky() const;
+  void drop_before_sky(const SkyMasks& sky);
   void take_colours();
   std::size_t keep_seen_ground();
   void place_camera_set();
@@ -298,10 +304,45 @@ void Initialisation::add_points_of_pictures() {
     const WallsAbove walls{log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, *actors_};
     report_.wall_points = walls.add_to(points_, [this] { step(); });
   }
-  if (!options_.sweep_depth) return;
-  const PictureDepths depths{
-      log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, kSweepCell_px, *actors_};
-  report_.depth_points = depths.add_to(points_, [this] { step(); });
+  const SkyMasks sky = find_sky();
+  if (options_.sweep_depth) {
+    const PictureDepths depths{
+        log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, kSweepCell_px, *actors_, sky};
+    report_.depth_points = depths.add_to(points_, [this] { step(); });
+  }
+  drop_before_sky(sky);
+}
+
+SkyMasks Initialisation::find_sky() const {
+  SkyMasks out;
+  const SkyFinder finder(log_, sweeps_, scene_.origin);
+  expect(log_, images_, frames_.image_scale);
+  for (const ImageFrame* frame : images_) {
+    const auto [image, view] = load_view(log_, *frame, scene_.origin, frames_.image_scale);
+    out[frame] = finder.find(*frame, image, view);
+  }
+  return out;
+}
+
+/// Of what no laser reached, that which stands where pictures show sky: 393 of 3702 points of drive 0052 (quarter
+/// size), of whose pixels of sky 85 % are 100 m and farther without them, 69 % with them.
+void Initialisation::drop_before_sky(const SkyMasks& sky) {
+  std::vector<int> against(points_.size());
+  for (const auto& [frame, mask] : sky) {
+    if (mask.empty()) continue;
+    const ImageView view = image_view(log_, *frame, scene_.origin, frames_.image_scale);
+    for (std::size_t i = ground_end_; i < points_.size(); ++i) {
+      Eigen::Vector2d pixel;
+      double range_m = 0.0;
+      const Eigen::Vector3d p = points_.position.col(static_cast<Eigen::Index>(i)).cast<double>();
+      if (view.project(p, pixel, range_m) && mask.at(pixel)) ++against[i];
+    }
+  }
+  std::vector<std::uint32_t> kept;
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    if (against[i] < kLeastAgainst) kept.push_back(static_cast<std::uint32_t>(i));
+  }
+  points_ = points_.subset(kept);
 }
 
 /// What pictures show of the points, and beside them.

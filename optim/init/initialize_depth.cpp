@@ -26,11 +26,6 @@ constexpr std::size_t kReach = 8;       // pictures before and after
 constexpr double kApart_m = 0.5;        // between two of them, or
 constexpr double kApart_rad = 0.1;      // turned by that: others tell little more
 constexpr std::size_t kLeastViews = 2;  // that must agree
-// Sky (see is_sky), chosen on 0052 and 0013: docs/DECISIONS.md.
-constexpr float kAlikeGrey = 0.02F;    // grey values of one thing differ by that
-constexpr float kFlat = 0.02F;         // mean deviation of what has no texture
-constexpr float kFlatAsThere = 0.03F;  // mean difference of two pictures of it
-constexpr float kLeastSkyGrey = 0.6F;  // what is darker is a thing
 
 using Patch = std::array<float, kPatch>;
 
@@ -63,37 +58,10 @@ Patch read_patch(const Image& grey,
   return patch;
 }
 
-/// How much each pixel of a patch counts when those as bright as its middle do; their sum is 1 (adaptive
-/// support weights: Yoon and Kweon, IEEE TPAMI 28(4), 2006).
-Patch support_weights(const Patch& grey) {
-  Patch weight{};
+float mean_difference(const Patch& a, const Patch& b) {
   float sum = 0.0F;
-  for (std::size_t i = 0; i < grey.size(); ++i) {
-    weight[i] = std::exp(-std::abs(grey[i] - grey[grey.size() / 2]) / kAlikeGrey);
-    sum += weight[i];
-  }
-  for (float& w : weight) w /= sum;
-  return weight;
-}
-
-/// Mean absolute difference from their weighted mean.
-float deviation(const Patch& grey, const Patch& weight) {
-  const float mean = std::inner_product(grey.begin(), grey.end(), weight.begin(), 0.0F);
-  float sum = 0.0F;
-  for (std::size_t i = 0; i < grey.size(); ++i) sum += weight[i] * std::abs(grey[i] - mean);
-  return sum;
-}
-
-constexpr Patch kEvenWeights = [] {
-  Patch even{};
-  even.fill(1.0F / kPatch);
-  return even;
-}();
-
-float mean_difference(const Patch& a, const Patch& b, const Patch& weight) {
-  float sum = 0.0F;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += weight[i] * std::abs(a[i] - b[i]);
-  return sum;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += std::abs(a[i] - b[i]);
+  return sum / static_cast<float>(kPatch);
 }
 
 /// Rays through a pixel and its right and lower neighbours: the patch as a small plane at any distance.
@@ -122,8 +90,7 @@ double distance_of(int step) {
 std::optional<float> cost_in(const SweepPicture& other,
                              const PatchRays& rays,
                              double distance_m,
-                             const Patch& patch,
-                             const Patch& weight) {
+                             const Patch& patch) {
   std::array<Eigen::Vector2d, 3> pixel;
   double range_m = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -134,24 +101,7 @@ std::optional<float> cost_in(const SweepPicture& other,
   const Eigen::Vector2f centre = pixel[0].cast<float>();
   return mean_difference(
       patch,
-      read_patch(other.grey, centre, pixel[1].cast<float>() - centre, pixel[2].cast<float>() - centre),
-      weight);
-}
-
-/// A bright patch without texture that two pictures show just as flat in the same direction, too. It would
-/// be found at any distance where the others have nothing in front, and in most of them that is near: seen
-/// from farther on, what is beside it stands before the sky. Its pixels alone are compared, not the wire or
-/// the roof that crosses it.
-bool is_sky(const std::vector<const SweepPicture*>& others, const PatchRays& rays, const Patch& patch) {
-  if (patch[patch.size() / 2] < kLeastSkyGrey) return false;
-  const Patch weight = support_weights(patch);
-  if (deviation(patch, weight) >= kFlat) return false;
-  std::size_t fit = 0;
-  for (const SweepPicture* other : others) {
-    const auto cost = cost_in(*other, rays, distance_of(0), patch, weight);
-    if (cost && *cost <= kFlatAsThere && ++fit == kLeastViews) return true;
-  }
-  return false;
+      read_patch(other.grey, centre, pixel[1].cast<float>() - centre, pixel[2].cast<float>() - centre));
 }
 
 /// Mean of the better half of the pictures: the others may have something in front.
@@ -161,7 +111,7 @@ float cost_at(const std::vector<const SweepPicture*>& others,
               const Patch& patch) {
   std::vector<float> costs;
   for (const SweepPicture* other : others) {
-    if (const auto cost = cost_in(*other, rays, distance_m, patch, kEvenWeights)) costs.push_back(*cost);
+    if (const auto cost = cost_in(*other, rays, distance_m, patch)) costs.push_back(*cost);
   }
   if (costs.size() < kLeastViews) return std::numeric_limits<float>::infinity();
   std::sort(costs.begin(), costs.end());
@@ -181,7 +131,6 @@ std::optional<Eigen::Vector3d> find_point(const SweepPicture& picture,
   for (const Eigen::Vector3d& direction : rays.direction) {
     if (direction.isZero()) return std::nullopt;  // outside the lens
   }
-  if (is_sky(others, rays, patch)) return std::nullopt;
   std::array<float, kDistances> costs{};
   for (int i = 0; i < kDistances; ++i) {
     costs[static_cast<std::size_t>(i)] = cost_at(others, rays, distance_of(i), patch);
@@ -214,12 +163,15 @@ std::vector<const ImageFrame*> apart(const Log& log,
 
 }  // namespace
 
-SweepPicture sweep_picture(const ImageView& view, const Image& image) {
+SweepPicture sweep_picture(const ImageView& view, const Image& image, SkyMask sky) {
   const Camera camera =
       view.camera().resized(std::max(1, (image.width + 1) / 2), std::max(1, (image.height + 1) / 2));
   const Image half = resize_area(image, camera.width, camera.height);
-  SweepPicture out{
-      view.with_camera(camera), Image(camera.width, camera.height, 1), image.width, image.height};
+  SweepPicture out{view.with_camera(camera),
+                   Image(camera.width, camera.height, 1),
+                   image.width,
+                   image.height,
+                   std::move(sky)};
   for (std::size_t i = 0; i < out.grey.data.size(); ++i) {
     out.grey.data[i] = (half.data[3 * i] + half.data[3 * i + 1] + half.data[3 * i + 2]) / 3.0F;
   }
@@ -246,6 +198,9 @@ std::vector<Eigen::Vector3d> sweep_depths(const SweepPicture& picture,
         for (std::size_t k = begin; k < end; ++k) {
           const auto column = static_cast<double>(cells[k] % static_cast<std::size_t>(coverage.columns));
           const auto row = static_cast<double>(cells[k] / static_cast<std::size_t>(coverage.columns));
+          if (picture.sky.at(
+                  Eigen::Vector2d{(column + 0.5) * coverage.cell_px, (row + 0.5) * coverage.cell_px}))
+            continue;
           // The last row and column of cells may be cut off by the picture's edge.
           const Eigen::Vector2d pixel{
               std::min((column + 0.5) * coverage.cell_px * scale_x, picture.grey.width - 0.5),
@@ -281,7 +236,7 @@ std::size_t PictureDepths::add_to(PointSet& points, const std::function<void()>&
         std::vector<PointLook> unused(placed.size());
         Coverage coverage = look_at_points(view, image, placed, voxel_m, cell_px, unused);
         actors.cover(view, middle_s(*frames[next]), coverage);
-        window.push_back({sweep_picture(view, image), std::move(coverage)});
+        window.push_back({sweep_picture(view, image, sky.at(frames[next])), std::move(coverage)});
       }
       for (; first + kReach < k; ++first) window.pop_front();
       std::vector<const SweepPicture*> others;

@@ -11,6 +11,7 @@
 #include "io/picture/image.hpp"
 #include "optim/init/initialize_actors.hpp"
 #include "optim/init/initialize_views.hpp"
+#include "optim/init/sky.hpp"
 #include "optim/points/points.hpp"
 
 namespace simuli {
@@ -22,12 +23,13 @@ struct SweepPicture {
   Image grey;          // 1 channel
   int full_width = 0;  // px, before it was halved
   int full_height = 0;
+  SkyMask sky = {};  // of it then
 };
-[[nodiscard]] SweepPicture sweep_picture(const ImageView& view, const Image& image);
+[[nodiscard]] SweepPicture sweep_picture(const ImageView& view, const Image& image, SkyMask sky = {});
 
 /// A point of the scene frame for each cell of `coverage` that is empty with its neighbours and whose
 /// surroundings at least two of `others` show at one and the same distance, up to kSweepFarthest_m. Cells
-/// that look alike at many distances (sky) count as farther away and have none. `coverage` is of the picture
+/// that look alike at many distances count as farther away and have none, nor has sky. `coverage` is of the picture
 /// before it was halved.
 [[nodiscard]] std::vector<Eigen::Vector3d> sweep_depths(const SweepPicture& picture,
                                                         const std::vector<const SweepPicture*>& others,
@@ -45,6 +47,7 @@ struct PictureDepths {
   double voxel_m;  // side of the points' voxels; one point is added per voxel of twice the side
   int cell_px;     // between two depths
   const ActorPoints& actors;
+  const SkyMasks& sky;  // of all of them
 
   /// Adds to `points` what the pictures of each camera show where no point is, and returns how many it added.
   /// `step` is called after each picture.

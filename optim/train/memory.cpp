@@ -216,7 +216,9 @@ void add_rays(const Device& device, Tally& tally, const Counts& counts, const Lo
   tally.add("rays", layout, of_picture, log.cameras.size());
   tally.add("rays", requested, of_picture, log.cameras.size());
   // Truth and, of sweeps, rays of their own, as many as the cache holds.
-  tally.add("frames kept", {"picture truth", std::min(cache, counts.images.slots * 3 * sizeof(float))});
+  const std::uint64_t channels = counts.sweeps.frames > 0 ? 4 : 3;  // sky is told where LiDARs look
+  tally.add("frames kept",
+            {"picture truth", std::min(cache, counts.images.slots * channels * sizeof(float))});
   if (counts.sweeps.frames == 0) return;
   tally.add("frames kept", {"sweep truth", std::min(cache, counts.sweeps.slots * 2 * sizeof(float))});
   constexpr std::uint64_t kBins = 4096;

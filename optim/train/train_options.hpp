@@ -44,6 +44,7 @@ struct ImageWeights {
   double absolute = 0.8;
   double squared = 10.0;
   double dissimilarity = 0.2;
+  double sky = 0.01;  // of opacity where a picture shows sky
 };
 template <class F>
 constexpr void visit_fields(ImageWeights& o, F&& field) {
@@ -54,6 +55,7 @@ constexpr void visit_fields(ImageWeights& o, F&& field) {
         "Weight of 1 - SSIM in a picture's loss. More: crisper structure, lower PSNR; 0: faster.");
   field.keyless(o.absolute);
   field.keyless(o.squared);
+  field.keyless(o.sky);
 }
 
 /// What learns a colour transform of its own.

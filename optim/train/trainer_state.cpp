@@ -22,6 +22,13 @@ constexpr const char* kSettings = "settings";
 constexpr const char* kIterations = "iterations";  // planned
 constexpr const char* kLength = "length";
 
+constexpr double kLeastSkyFrom_m = 100.0, kSkyFrom = 0.5;
+
+double farthest_m(const GaussianSet& set) {
+  if (set.size() == 0) return 0.0;
+  return std::sqrt(set.mean().cast<double>().rowwise().squaredNorm().maxCoeff());
+}
+
 enum Stream : std::uint64_t { kImageStream = 1, kSweepStream = 2 };
 
 RenderOptions training_options(RenderOptions options) {
@@ -146,6 +153,7 @@ TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, con
     : log(of_log),
       scene(in_coherent_order(std::move(start))),
       actor_margin_m(training.init.actor_margin_m),
+      sky_from_m(std::max(kLeastSkyFrom_m, kSkyFrom * farthest_m(scene.camera))),
       options(fitting(on, of_log, scene, training)),
       seed(training.frames.seed),
       device(on),
@@ -195,6 +203,7 @@ StateList TrainerState::list(const std::string& settings) {
   states.add("mean/right_drops", right);
   states.add("unsound_losses", unsound_losses);
   states.add("pruned", pruned);
+  states.add("sky_from_m", sky_from_m);
   camera.add_state(states, "camera");
   lidar.add_state(states, "lidar");
   structure.add_state(states);

@@ -7,6 +7,7 @@
 #include "io/log/camera_mask.hpp"
 #include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/init/posed_frames.hpp"
 
 namespace simuli {
 namespace {
@@ -24,6 +25,9 @@ TruthCache::TruthCache(const Device& device,
     : device_(device),
       log_(log),
       render_(render),
+      image_scale_(options.frames.image_scale),
+      sky_finder_(
+          log, training_frames(log.sweeps, HeldOutRule(log, options.frames)), Eigen::Vector3d::Zero()),
       cache_bytes_(options.train.cache_bytes),
       images_(cache_bytes_),
       sweeps_(cache_bytes_) {
@@ -67,15 +71,20 @@ const SensorRays& TruthCache::camera_rays(const std::string& name) {
 ImageTruth TruthCache::read_image_truth(std::size_t index) {
   const ImageFrame& frame = log_.images[index];
   const SensorRays& rays = camera_rays(frame.camera);
-  std::vector<float> values = planar(load_image(log_, frame, models_.at(frame.camera)));
+  const auto [image, view] = load_view(log_, frame, Eigen::Vector3d::Zero(), image_scale_);
+  std::vector<float> values = planar(image);
   const std::size_t pixels = values.size() / 3;
+  auto& sky = sky_[index];
+  if (!sky) sky = sky_finder_.find(frame, image, view);
   std::size_t known = rays.grid().rays;
   for (std::size_t i = 0; i < pixels; ++i) {
     if (!(values[i] < 0.0F)) continue;
     for (std::size_t c = 0; c < 3; ++c) values[c * pixels + i] = kHiddenValue;
     --known;
   }
-  return {RayValues(rays, values, 3, "picture truth"), known};
+  const std::size_t channels = sky->empty() ? 3 : 4;
+  for (std::size_t i = 0; i < pixels && channels == 4; ++i) values.push_back(sky->at(i) ? 1.0F : 0.0F);
+  return {RayValues(rays, values, channels, "picture truth"), known};
 }
 
 SweepTruth TruthCache::read_sweep_truth(std::size_t index) const {

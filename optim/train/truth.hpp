@@ -3,12 +3,14 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "host/core/base/lru_cache.hpp"
 #include "host/device/render/scene/renderer.hpp"
 #include "io/log/log.hpp"
+#include "optim/init/sky.hpp"
 #include "optim/train/training_options.hpp"
 
 namespace simuli {
@@ -57,7 +59,10 @@ class TruthCache {
   std::map<std::string, Camera> models_;  // scaled, by name
   std::map<std::string, LidarModel> lidars_;
   std::map<std::string, std::unique_ptr<SensorRays>> camera_rays_;
-  std::size_t cache_bytes_;  // of each
+  double image_scale_;
+  SkyFinder sky_finder_;
+  std::map<std::size_t, std::optional<SkyMask>> sky_;  // of pictures that have been read
+  std::size_t cache_bytes_;                            // of each
   LruCache<ImageTruth> images_;
   LruCache<SweepTruth> sweeps_;
 };

@@ -129,6 +129,26 @@ TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
   }
 }
 
+TEST_P(Loss, SkyAsksForNothingNear) {
+  if (precision() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
+  Rendered rendered(device_, precision());
+  ImageLossStage stage(device_, precision(), GetParam().second);
+  std::vector<double> truth_values = random_truth(4, 0.0, 1.0, 5);
+  for (std::size_t i = 0; i < kSlots; ++i) {
+    truth_values[3 * kSlots + i] = i % 3 == 0 ? 1.0 : 0.0;
+    if (i % 5 == 0) truth_values[i] = -1.0;  // not known
+  }
+  RealBuffer truth(device_, "truth", precision());
+  truth.assign(std::span<const double>(truth_values));
+  static_cast<void>(rendered.image_loss(stage, truth, {.absolute = 1.0, .sky = 0.25, .sky_from_m = 128.0}));
+  const std::vector<double> grad = rendered.gradients.grad_out.download_double();
+  for (std::size_t i = 0; i < kSlots; ++i) {
+    const bool is_sky = i % 3 == 0 && i % 5 != 0 && Rendered::fired(i);
+    ASSERT_EQ(grad[SIM_O_TRANSMITTANCE * kSlots + i], is_sky ? -0.25 : 0.0) << i;
+    ASSERT_EQ(grad[SIM_O_DISTANCE * kSlots + i], is_sky ? -0.25 / 128.0 : 0.0) << i;
+  }
+}
+
 /// Terms of one ray of a sweep, straight from their definition.
 struct RayTerms {
   double distance = 0.0, intensity = 0.0, entropy = 0.0, wrong = 0.0;

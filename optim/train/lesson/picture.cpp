@@ -38,8 +38,10 @@ ShownShard PictureLesson::show(std::size_t shard, RealBuffer& error) {
   state_.look.grade(pass, index);
   const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
   const ImageWeights& w = state_.options.image;
-  const ImageLoss loss =
-      pass.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
+  const double sky = truth->truth.channels() == 4 ? 3.0 * w.sky / values : 0.0;
+  const ImageLoss loss = pass.image_loss(
+      truth->truth,
+      {w.absolute / values, w.squared / values, w.dissimilarity / values, sky, state_.sky_from_m});
   if (errors_) {
     state_.structure.errors().pixel_error(
         pass.frame(), pass.buffers().rays, pass.picture(), truth->truth.slots(), pass.ray_error());

@@ -29,7 +29,7 @@ void Pass::State::need_grid(const char* call, const ColorGridBuffers& of, std::s
 
 void Pass::State::need_truth(const char* call, const RayValues& truth, std::size_t channels) const {
   need(truth.rays().is_of_sensor_of(*frame.rays), call, "values of other rays", "those of the rays rendered");
-  if (truth.channels() == channels) return;
+  if (truth.channels() >= channels) return;
   misused(call, fmt::format("{} channels", truth.channels()), std::to_string(channels));
 }
 
@@ -114,7 +114,7 @@ void Pass::set_drop(const RayDrop::Parameters& drop) {
 ImageLoss Pass::image_loss(const RayValues& truth, const ImageLossScale& scale) {
   State& s = last("image_loss");
   need(s.frame.rays->grid().type == SensorType::kCamera, "image_loss", "a LiDAR's frame", "a camera's");
-  s.need_truth("image_loss", truth, 3);
+  s.need_truth("image_loss", truth, scale.sky > 0.0 ? 4 : 3);
   const ImageLoss loss =
       s.image_loss.run(s.frame.params, s.buffers.rays, s.shown(), truth.slots(), scale, s.gradients);
   s.has_gradient();

@@ -16,6 +16,10 @@ struct ImageLossScale {
   double absolute = 0.0;
   double squared = 0.0;
   double dissimilarity = 0.0;
+  // Of the pixels that the truth's fourth channel marks (1: sky): the sum of their particles' weights, each times
+  // 1 - distance / sky_from_m.
+  double sky = 0.0;
+  double sky_from_m = 1.0;
 };
 
 /// Sums of a sweep's losses: |d^ - d| sqrt(10 m / max(d, 1 m)) (m) and |intensity error| over returned rays, cross
