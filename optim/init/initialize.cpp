@@ -315,7 +315,7 @@ void Initialisation::add_points_of_pictures() {
 
 SkyMasks Initialisation::find_sky() const {
   SkyMasks out;
-  const SkyFinder finder(log_, sweeps_, scene_.origin);
+  SkyFinder finder(log_, sweeps_, scene_.origin);
   expect(log_, images_, frames_.image_scale);
   for (const ImageFrame* frame : images_) {
     const auto [image, view] = load_view(log_, *frame, scene_.origin, frames_.image_scale);

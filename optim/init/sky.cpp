@@ -210,8 +210,8 @@ bool SkyMask::at(const Eigen::Vector2d& pixel) const {
 SkyFinder::SkyFinder(const Log& log, std::vector<const SweepFrame*> sweeps, const Eigen::Vector3d& origin)
     : log_(log), sweeps_(std::move(sweeps)), origin_(origin) {}
 
-SkyMask SkyFinder::find(const ImageFrame& frame, const Image& image, const ImageView& view) const {
-  std::map<std::string, const SweepFrame*> nearest;  // by LiDAR
+SkyMask SkyFinder::find(const ImageFrame& frame, const Image& image, const ImageView& view) {
+  Sweeps nearest;
   const auto apart_s = [&](const SweepFrame& sweep) {
     return std::abs(0.5 * (sweep.time_start_s + sweep.time_end_s) - middle_s(frame));
   };
@@ -219,20 +219,27 @@ SkyMask SkyFinder::find(const ImageFrame& frame, const Image& image, const Image
     const SweepFrame*& best = nearest[sweep->lidar];
     if (apart_s(*sweep) <= kApart_s && (best == nullptr || apart_s(*sweep) < apart_s(*best))) best = sweep;
   }
-  std::vector<Eigen::Matrix3Xd> returns;
-  for (const auto& [name, sweep] : nearest) {
-    if (sweep == nullptr) continue;
-    const PosedSweep posed = load_sweep(log_, *sweep, origin_);
-    Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(posed.sweep.range.size()));
-    Eigen::Index count = 0;
-    for (std::size_t i = 0; i < posed.sweep.range.size(); ++i) {
-      if (!(posed.sweep.range[i] > 0.0F)) continue;
-      const SceneRay ray = ray_in_scene(posed, i);
-      points.col(count++) = ray.origin + static_cast<double>(posed.sweep.range[i]) * ray.direction;
+  if (nearest != read_) {
+    returns_.clear();
+    read_ = {};  // unless all of them can be read
+    for (const auto& [name, sweep] : nearest) {
+      if (sweep != nullptr) returns_.push_back(read(*sweep));
     }
-    returns.emplace_back(points.leftCols(count));
+    read_ = nearest;
   }
-  return find_sky(view, image, returns);
+  return find_sky(view, image, returns_);
+}
+
+Eigen::Matrix3Xd SkyFinder::read(const SweepFrame& sweep) const {
+  const PosedSweep posed = load_sweep(log_, sweep, origin_);
+  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(posed.sweep.range.size()));
+  Eigen::Index count = 0;
+  for (std::size_t i = 0; i < posed.sweep.range.size(); ++i) {
+    if (!(posed.sweep.range[i] > 0.0F)) continue;
+    const SceneRay ray = ray_in_scene(posed, i);
+    points.col(count++) = ray.origin + static_cast<double>(posed.sweep.range[i]) * ray.direction;
+  }
+  return points.leftCols(count);
 }
 
 }  // namespace simuli

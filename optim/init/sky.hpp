@@ -2,6 +2,7 @@
 // Sky in recorded pictures: what has no distance.
 #include <cstddef>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "io/log/log.hpp"
@@ -43,12 +44,17 @@ class SkyFinder {
   /// `log` and `sweeps`, those that may be read, must outlive it. `origin`: of the views.
   SkyFinder(const Log& log, std::vector<const SweepFrame*> sweeps, const Eigen::Vector3d& origin);
   /// Error{kInput} when a sweep can't be read.
-  [[nodiscard]] SkyMask find(const ImageFrame& frame, const Image& image, const ImageView& view) const;
+  [[nodiscard]] SkyMask find(const ImageFrame& frame, const Image& image, const ImageView& view);
 
  private:
+  using Sweeps = std::map<std::string, const SweepFrame*>;  // by LiDAR
+  [[nodiscard]] Eigen::Matrix3Xd read(const SweepFrame& sweep) const;
+
   const Log& log_;
   std::vector<const SweepFrame*> sweeps_;
   Eigen::Vector3d origin_;
+  Sweeps read_;  // the last ones: the cameras of a rig's moment share them
+  std::vector<Eigen::Matrix3Xd> returns_;
 };
 
 }  // namespace simuli
