@@ -117,17 +117,18 @@ double psnr_db(const Image& rendered, const Image& truth) {
   return -10.0 * std::log10(mean_square);  // log10(0) = -inf: identical pictures give +inf
 }
 
-double psnr_corrected_db(const Image& rendered, const Image& truth) {
-  check_pair("psnr_corrected_db", rendered, truth, 1);
+Image colour_corrected(const Image& rendered, const Image& truth, const std::vector<float>& weight) {
+  check_pair("colour_corrected", rendered, truth, 1);
   using Pixels = Eigen::Map<const Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
   const Eigen::Index channels = truth.channels;
   const auto pixels = static_cast<Eigen::Index>(truth.data.size()) / channels;
   const Pixels from(rendered.data.data(), pixels, channels), to(truth.data.data(), pixels, channels);
   Eigen::MatrixXd coloured = Eigen::MatrixXd::Ones(pixels, channels + 1);
   coloured.leftCols(channels) = from.matrix().cast<double>();
-  const Eigen::VectorXd known = (to.rowwise().minCoeff() >= 0.0F).matrix().cast<double>();
+  Eigen::VectorXd counts = (to.rowwise().minCoeff() >= 0.0F).matrix().cast<double>();
+  if (!weight.empty()) counts.array() *= Pixels(weight.data(), pixels, 1).cast<double>();
   // Of grey and of plain pictures many transforms are as near: the least one.
-  const Eigen::MatrixXd weighted = known.asDiagonal() * coloured;
+  const Eigen::MatrixXd weighted = counts.asDiagonal() * coloured;
   const Eigen::MatrixXd transform = (weighted.transpose() * coloured)
                                         .completeOrthogonalDecomposition()
                                         .solve(weighted.transpose() * to.matrix().cast<double>());
@@ -135,7 +136,12 @@ double psnr_corrected_db(const Image& rendered, const Image& truth) {
   Eigen::Map<Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
       corrected.data.data(), pixels, channels) =
       (coloured * transform).cast<float>().cwiseMax(0.0F).cwiseMin(1.0F);
-  return std::fmax(psnr_db(corrected, truth), psnr_db(rendered, truth));  // the same but for rounding
+  return corrected;
+}
+
+double psnr_corrected_db(const Image& rendered, const Image& truth) {
+  const double corrected_db = psnr_db(colour_corrected(rendered, truth), truth);
+  return std::fmax(corrected_db, psnr_db(rendered, truth));  // the same but for rounding
 }
 
 double ssim(const Image& rendered, const Image& truth) {

@@ -10,6 +10,7 @@
 #include "optim/base/frames.hpp"
 #include "optim/eval/scene_sensors.hpp"
 #include "optim/eval/sweep_pair.hpp"
+#include "optim/support/support_reliability.hpp"
 
 namespace simuli {
 namespace {
@@ -92,12 +93,6 @@ double contrast(const Image& image, int x, int y) {
   return std::max(high - low, 0.0);
 }
 
-double colour_error(const Image& rendered, const Image& truth, int x, int y) {
-  double sum = 0.0;
-  for (int c = 0; c < 3; ++c) sum += std::abs(static_cast<double>(rendered.at(x, y, c) - truth.at(x, y, c)));
-  return sum / 3.0;
-}
-
 double range_error_m(const SweepPair& pair, std::size_t ray) {
   const bool returns = pair.recorded.range[ray] > 0.0F;
   if (returns == (pair.simulated.drop_probability(ray) > kHalf)) return kMostRangeError_m;
@@ -163,7 +158,7 @@ class Recorder {
         const Eigen::Vector3d p_camera = met_m(rays, ray) * direction.normalized();
         const Pose view_from_camera = view_from_world * shot.pose_at(camera.exposure_fraction(pixel));
         cells.add(view_from_camera * p_camera,
-                  std::log(colour_error(rendered, truth, x, y) + kLeastColourError),
+                  std::log(colour_error(rendered, truth, ray) + kLeastColourError),
                   std::log(contrast(truth, x, y) + kLeastContrast));
       }
     }

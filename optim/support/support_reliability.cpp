@@ -7,6 +7,7 @@
 
 #include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/base/metrics.hpp"
 
 namespace simuli {
 namespace {
@@ -39,7 +40,34 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
   return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 0.0;
 }
 
+/// Without the tint that the supported pixels have in common: the affine transform of least absolute errors, by
+/// least squares whose weights follow them. What is wrong in places must not move it.
+Image without_tint(const Image& rendered, const Image& truth, const std::vector<float>& support) {
+  constexpr int kRounds = 6;
+  constexpr float kSupported = 0.5F;
+  constexpr double kLeastError = 0.02;
+  Image corrected = rendered;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<float> weight(support.size());
+    for (std::size_t i = 0; i < support.size(); ++i) {
+      if (support[i] <= kSupported) continue;
+      const double error = round == 0 ? 1.0 : colour_error(corrected, truth, i);
+      weight[i] = static_cast<float>(1.0 / std::max(error, kLeastError));
+    }
+    corrected = colour_corrected(rendered, truth, weight);
+  }
+  return corrected;
+}
+
 }  // namespace
+
+double colour_error(const Image& rendered, const Image& truth, std::size_t pixel) {
+  double sum = 0.0;
+  for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
+    sum += std::abs(static_cast<double>(rendered.data[c] - truth.data[c]));
+  }
+  return sum / 3.0;
+}
 
 void SupportSamples::append(const SupportSamples& others) {
   support.insert(support.end(), others.support.begin(), others.support.end());
@@ -51,16 +79,16 @@ void SupportSamples::add_picture(SceneOnDevice& scene,
                                  const Log& log,
                                  const ImageFrame& frame,
                                  const Camera& camera,
-                                 std::size_t step) {
+                                 std::size_t step,
+                                 Tint tint) {
   const Frame taken = scene.render(Sensor(camera), shot_of(log, frame));
   const std::vector<float> known = support_on.of(taken, scene.scene());
-  const Image rendered = taken.image(), truth = load_image(log, frame, camera);
+  const Image truth = load_image(log, frame, camera);
+  const Image rendered = tint == Tint::kKnown ? taken.image() : without_tint(taken.image(), truth, known);
   for (std::size_t i = 0; i < known.size(); i += step) {
     if (truth.data[3 * i] < 0.0F) continue;  // hidden by a mask
-    float sum = 0.0F;
-    for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) sum += std::abs(rendered.data[c] - truth.data[c]);
     support.push_back(known[i]);
-    error.push_back(sum / 3.0F);
+    error.push_back(static_cast<float>(colour_error(rendered, truth, i)));
   }
 }
 

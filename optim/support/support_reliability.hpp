@@ -10,6 +10,13 @@
 
 namespace simuli {
 
+/// Whether training saw a camera's pictures. Of one that it never saw no scene can know exposure and white balance:
+/// its errors are told once the affine transform of colours in which the supported pixels agree has been taken off.
+enum class Tint { kKnown, kUnknown };
+
+/// Mean of |channels| of a pixel.
+[[nodiscard]] double colour_error(const Image& rendered, const Image& truth, std::size_t pixel);
+
 /// What support said of pixels or rays, and how wrong they were.
 struct SupportSamples {
   std::vector<float> support;  // [n] in [0, 1]
@@ -22,7 +29,8 @@ struct SupportSamples {
                    const Log& log,
                    const ImageFrame& frame,
                    const Camera& camera,
-                   std::size_t step = 1);
+                   std::size_t step = 1,
+                   Tint tint = Tint::kKnown);
   void add_sweep(SceneOnDevice& scene,
                  SupportOnDevice& support_on,
                  const Log& log,

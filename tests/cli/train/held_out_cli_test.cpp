@@ -100,7 +100,14 @@ TEST_F(HeldOutCli, EverySensorIsHeldOutAlikeAndOneWhole) {
   const auto held = nlohmann::json::parse(run("eval front.scene rig.log --json").out);
   EXPECT_EQ(held.at("sensor").at("images"), 6);
   EXPECT_EQ(held.at("between").at("images"), 2);
-  const auto left = nlohmann::json::parse(run("eval front.scene rig.log --held-out-sensor left --json").out);
+  const auto left =
+      nlohmann::json::parse(run("eval front.scene rig.log --held-out-sensor left --support --json").out);
+  EXPECT_EQ(left.at("support").at("without_tint"), nlohmann::json::array({"left"}));
+  EXPECT_TRUE(
+      nlohmann::json::parse(run("eval front.scene rig.log --held-out-sensor top --support --json").out)
+          .at("support")
+          .at("without_tint")
+          .empty());
   EXPECT_EQ(left.at("images"), 6);
   EXPECT_EQ(left.at("sweeps"), 0);
   EXPECT_EQ(left.at("psnr_db"), held.at("sensor").at("psnr_db"));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
+#include "optim/base/frames.hpp"
 #include "optim/support/support_reliability.hpp"
 #include "optim/train/training.hpp"
 #include "tests/optim/small_street.hpp"
@@ -80,6 +81,25 @@ TEST_F(RecordSupport, IsHighOnThePathAndForetellsErrors) {
     for (const SupportReliability::Bin& bin : found.bins) in_bins += bin.count;
     EXPECT_EQ(in_bins, found.count);
   }
+}
+
+TEST_F(RecordSupport, IsNotBlamedForATintThatNothingTells) {
+  const SceneFile file = trained();
+  SceneOnDevice scene(test::device(), file.scene);
+  SupportOnDevice support(test::device(), file.support);
+  ImageFrame frame = log_.images[2];
+  const Camera& camera = log_.camera(frame.camera).model;
+  Image darker = load_image(log_, frame, camera);
+  for (std::size_t i = 0; i < darker.data.size(); ++i) darker.data[i] *= i % 3 == 0 ? 0.6F : 0.5F;
+  frame.file = "darker.png";
+  write_image(log_.folder / frame.file, darker);
+  const auto right = [&](Tint tint) {
+    SupportSamples pixels;
+    pixels.add_picture(scene, support, log_, frame, camera, 1, tint);
+    return reliability(pixels, kSupportColour).right;
+  };
+  EXPECT_LT(right(Tint::kKnown), 0.3);
+  EXPECT_GT(right(Tint::kUnknown), 0.7);
 }
 
 TEST(SupportReliability, RanksAndBinsAreThoseOfTheirDefinition) {

@@ -44,20 +44,25 @@ EvalSupport eval_support(const Evaluation& evaluation) {
   SceneOnDevice scene(evaluation.device(), borrowed(file.scene), evaluation.options().render);
   SupportOnDevice support(evaluation.device(), file.support);
   SupportSamples pixels, rays;
+  std::set<std::string> trained, unseen;
+  for (const SupportSensor& sensor : file.support->sensors) trained.insert(sensor.name);
   for (const std::size_t index : evaluation.frames().images) {
     const ImageFrame& frame = log.images[index];
     const Camera camera =
         scaled_camera(log.camera(frame.camera).model, evaluation.frames().asked.image_scale);
-    pixels.add_picture(scene, support, log, frame, camera, kEvalSupportStep);
+    const Tint tint = trained.count(frame.camera) > 0 ? Tint::kKnown : Tint::kUnknown;
+    if (tint == Tint::kUnknown) unseen.insert(frame.camera);
+    pixels.add_picture(scene, support, log, frame, camera, kEvalSupportStep, tint);
   }
   for (const std::size_t index : evaluation.frames().sweeps) {
     rays.add_sweep(scene, support, log, log.sweeps[index], kEvalSupportStep);
   }
-  return {reliability(pixels, kSupportColour), reliability(rays, kSupportRange_m)};
+  return {reliability(pixels, kSupportColour), reliability(rays, kSupportRange_m), std::move(unseen)};
 }
 
 Json json_of(const EvalSupport& support) {
-  return {{"pixels", json_of(support.pixels)}, {"rays", json_of(support.rays)}};
+  return {
+      {"pixels", json_of(support.pixels)}, {"rays", json_of(support.rays)}, {"without_tint", support.unseen}};
 }
 
 std::string text_of(const EvalSupport& support) {
@@ -66,6 +71,10 @@ std::string text_of(const EvalSupport& support) {
     text += line_of("pixels", support.pixels, fmt::format("within {} of the truth", kSupportColour).c_str());
   if (support.rays.count > 0)
     text += line_of("rays", support.rays, fmt::format("within {:g} cm", 100.0 * kSupportRange_m).c_str());
+  if (!support.unseen.empty()) {
+    text += fmt::format("  without their pictures' tints, as training had none of them: {}\n",
+                        fmt::join(support.unseen, ", "));
+  }
   text += "  support          of pixels, right     of rays, right\n";
   for (std::size_t k = 0; k < SupportReliability::kBins; ++k) {
     const SupportReliability::Bin &p = support.pixels.bins[k], &r = support.rays.bins[k];

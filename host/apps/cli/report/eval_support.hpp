@@ -1,6 +1,7 @@
 #pragma once
 // Support beside the errors of an evaluation's frames.
 #include <nlohmann/json_fwd.hpp>
+#include <set>
 #include <string>
 
 #include "optim/eval/evaluation.hpp"
@@ -10,6 +11,7 @@ namespace simuli::cli {
 
 struct EvalSupport {
   SupportReliability pixels, rays;
+  std::set<std::string> unseen;  // cameras that training had no picture of: told without their tints
 };
 /// Of every kEvalSupportStep-th pixel and ray of the frames that are compared. Error{kUsage} for a scene
 /// without a record of its training frames.
@@ -17,7 +19,7 @@ struct EvalSupport {
 inline constexpr std::size_t kEvalSupportStep = 7;
 
 /// {"pixels": {"count", "mean", "right", "rank_correlation", "calibration_error", "curve": [{"share",
-/// "support", "right"}, ...]}, "rays": ...}
+/// "support", "right"}, ...]}, "rays": ..., "without_tint": names of cameras}
 [[nodiscard]] nlohmann::ordered_json json_of(const EvalSupport& support);
 /// Two lines, and a table of both curves.
 [[nodiscard]] std::string text_of(const EvalSupport& support);
