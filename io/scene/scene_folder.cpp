@@ -287,10 +287,6 @@ const LogLidar* SceneFile::find_lidar(const std::string& name) const {
   return found == lidars.end() ? nullptr : &*found;
 }
 
-std::string broken_particles(Eigen::Index count) {
-  return fmt::format("{} particles with NaN, Inf or a zero quaternion", count);
-}
-
 namespace {
 
 SceneFile in_order(SceneFile file) {

@@ -12,6 +12,7 @@
 #include "io/log/frame_spans.hpp"
 #include "io/log/log.hpp"
 #include "io/scene/training_record.hpp"
+#include "io/splat/splat_file.hpp"
 
 namespace simuli {
 
@@ -25,7 +26,7 @@ struct SceneFile {
   Trajectory world_from_rig;  // may be empty
   /// When the frames were recorded that it was made of, by sensor; none of a version that didn't say.
   FrameSpans recorded_frames = {};
-  Eigen::Index left_out = 0;  // broken particles of a file of splats, as read_splats() counts them
+  SplatReport splats = {};  // of a file of splats
   /// How the scene was made; nothing of a scene that wasn't trained, or by a version that didn't say.
   std::optional<TrainingRecord> training = {};
   /// What it keeps of those frames, to tell how well it knows what it shows; null of a scene that doesn't.
@@ -35,9 +36,6 @@ struct SceneFile {
   [[nodiscard]] const LogCamera* find_camera(const std::string& name) const;
   [[nodiscard]] const LogLidar* find_lidar(const std::string& name) const;
 };
-
-/// Those that are left out, for messages: "2 particles with NaN, Inf or a zero quaternion".
-[[nodiscard]] std::string broken_particles(Eigen::Index count);
 
 /// Reads a scene folder, or a file of splats (scene_of_splats()). Unknown keys are errors, as are counts or
 /// SH degrees other than scene.json says. Errors as in io/log/log.hpp.

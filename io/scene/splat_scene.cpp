@@ -55,9 +55,9 @@ bool is_splat_file(const fs::path& file) {
 }
 
 SceneFile scene_of_splats(const fs::path& file, const SplatPlacement& placement) {
-  Eigen::Index left_out = 0;
-  SceneFile out = scene_of_splats(read_splats(file, &left_out), file, placement);
-  out.left_out = left_out;
+  SplatReport report;
+  SceneFile out = scene_of_splats(read_splats(file, &report), file, placement);
+  out.splats = report;
   return out;
 }
 

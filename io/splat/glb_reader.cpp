@@ -51,7 +51,8 @@ constexpr std::array kComponentTypes{
 
 class Reader {
  public:
-  Reader(const std::string& bytes, const std::string& file) : document_(glb::read_document(bytes, file)) {}
+  Reader(const std::string& bytes, const std::string& file, SplatReport* report)
+      : document_(glb::read_document(bytes, file)), report_(report) {}
 
   GaussianSet read() {
     for (const std::size_t root : document_.roots) visit(root, Eigen::Affine3d::Identity());
@@ -107,7 +108,7 @@ class Reader {
       const glb::View& view = glb::at(document_.views, *splats.spz_view, document_, "bufferViews");
       take(view.length);
       need_inside(view, "bufferViews", view.length);
-      return set_of_spz(document_.binary.substr(view.offset, view.length), document_.file);
+      return set_of_spz(document_.binary.substr(view.offset, view.length), document_.file, report_);
     }
     int degree = 0;
     while (degree < 3 && splats.attributes.contains(glb::sh_name(sh_coefficients(degree)))) ++degree;
@@ -223,6 +224,7 @@ class Reader {
   }
 
   Document document_;
+  SplatReport* report_;
   std::set<std::size_t> visited_;
   std::vector<GaussianSet> sets_;
   std::size_t taken_ = 0;
@@ -230,6 +232,8 @@ class Reader {
 
 }  // namespace
 
-GaussianSet read_glb(const std::string& bytes, const std::string& file) { return Reader(bytes, file).read(); }
+GaussianSet read_glb(const std::string& bytes, const std::string& file, SplatReport* report) {
+  return Reader(bytes, file, report).read();
+}
 
 }  // namespace simuli

@@ -13,26 +13,39 @@
 
 namespace simuli {
 
-GaussianSet read_splats(const std::filesystem::path& file, Eigen::Index* left_out) {
-  constexpr std::size_t kMaxFileBytes = std::size_t{16} << 30U;
-  return read_splats(read_file(file, kMaxFileBytes), file, left_out);
+std::vector<std::string> SplatReport::notes() const {
+  std::vector<std::string> lines;
+  if (left_out > 0) lines.push_back("left out: " + broken_particles(left_out));
+  if (is_antialiased)
+    lines.emplace_back("trained antialiased: render.camera_compensation=true renders it so");
+  return lines;
 }
 
-GaussianSet read_splats(std::string bytes, const std::filesystem::path& file, Eigen::Index* left_out) {
+std::string broken_particles(Eigen::Index count) {
+  return fmt::format("{} particles with NaN, Inf or a zero quaternion", count);
+}
+
+GaussianSet read_splats(const std::filesystem::path& file, SplatReport* report) {
+  constexpr std::size_t kMaxFileBytes = std::size_t{16} << 30U;
+  return read_splats(read_file(file, kMaxFileBytes), file, report);
+}
+
+GaussianSet read_splats(std::string bytes, const std::filesystem::path& file, SplatReport* report) {
   const std::string extension = ending_of(file), name = file.string();
   if (has_other_splat_extension(file))
     throw_input_error(name, "splats", extension, ".ply (also SuperSplat's compressed), .spz or .glb");
-  GaussianSet set = extension == ".spz"   ? read_spz(std::move(bytes), name)
-                    : extension == ".glb" ? read_glb(bytes, name)
+  GaussianSet set = extension == ".spz"   ? read_spz(std::move(bytes), name, report)
+                    : extension == ".glb" ? read_glb(bytes, name, report)
                                           : parse_gaussians_ply(bytes, SetKind::kCamera, name);
   // Others write 0 and 1 as logits without an end; here they are as far away as in 8 bits.
   const float most = std::log(254.5F / 0.5F);
   for (float& opacity : set.opacity_logit()) {
     if (std::isinf(opacity)) opacity = std::copysign(most, opacity);
   }
-  if (left_out != nullptr) *left_out = leave_out_broken(set);
-  if (left_out != nullptr && set.size() == 0 && *left_out > 0) {
-    throw_input_error(name, "particles", fmt::format("{}, none of them sound", *left_out), "sound ones");
+  if (report != nullptr) report->left_out = leave_out_broken(set);
+  if (report != nullptr && set.size() == 0 && report->left_out > 0) {
+    throw_input_error(
+        name, "particles", fmt::format("{}, none of them sound", report->left_out), "sound ones");
   }
   validate(set, name);
   return set;

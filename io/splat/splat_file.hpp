@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "host/core/scene/gaussians.hpp"
 
@@ -21,14 +22,25 @@ struct SplatOutput {
   bool compress = false;               // .glb: particles as SPZ in it, with what that rounds
 };
 
+/// What there is to know of a file of splats beside its particles.
+struct SplatReport {
+  Eigen::Index left_out = 0;  // particles with NaN, Inf or a zero quaternion
+  /// Opacities are of splats which lose some where a pixel's footprint widens them. SPZ alone says so.
+  bool is_antialiased = false;
+  /// For people, a line each.
+  [[nodiscard]] std::vector<std::string> notes() const;
+};
+/// Those that are left out, for messages: "2 particles with NaN, Inf or a zero quaternion".
+[[nodiscard]] std::string broken_particles(Eigen::Index count);
+
 /// Reads a camera set with y down: .spz and .glb by extension, any PLY else. An opacity of Inf is 1.
-/// Particles with NaN, Inf or a zero quaternion are left out and counted in `left_out`, or refused without it.
+/// Particles with NaN, Inf or a zero quaternion are left out and told in `report`, or refused without it.
 /// Error{kInput} as the readers below say, and where no particle is left.
-[[nodiscard]] GaussianSet read_splats(const std::filesystem::path& file, Eigen::Index* left_out = nullptr);
+[[nodiscard]] GaussianSet read_splats(const std::filesystem::path& file, SplatReport* report = nullptr);
 /// The same of the bytes of a file of that name.
 [[nodiscard]] GaussianSet read_splats(std::string bytes,
                                       const std::filesystem::path& file,
-                                      Eigen::Index* left_out = nullptr);
+                                      SplatReport* report = nullptr);
 /// Writes .ply, .spz, .glb, .usda or .usdz by extension, complete or not at all. Error{kInput} for another
 /// one, and for what the format does not hold.
 void write_splats(const std::filesystem::path& file, const GaussianSet& set, const SplatOutput& how = {});
@@ -53,10 +65,7 @@ inline constexpr char kSplatExtensions[] = ".ply, .spz or .glb";
 /// skipped; SH degree 4 is cut to 3. Particles are not judged (validate()).
 [[nodiscard]] GaussianSet read_spz(const std::filesystem::path& file);
 /// The same of its bytes; `file` is for messages.
-[[nodiscard]] GaussianSet read_spz(std::string bytes, const std::string& file);
-/// For people, where it says that opacities are of splats which lose some where a pixel's footprint widens them;
-/// "" for others, and for files of other formats.
-[[nodiscard]] std::string antialiased_note(const std::filesystem::path& file);
+[[nodiscard]] GaussianSet read_spz(std::string bytes, const std::string& file, SplatReport* report = nullptr);
 /// Version 3, of a set with y down. What its numbers can't hold is clipped: colours to -0.4 to 1.4, SH to -1
 /// to 1, scales to 45 um to 380 m. Error{kInput} for what validate() refuses, for LiDAR sets, and for means
 /// so far out that fewer than 4 fractional bits would be left (half a million metres).
@@ -68,7 +77,9 @@ void write_spz(const std::filesystem::path& file, const GaussianSet& set);
 /// numbers are taken to be in glTF's axes, as CesiumJS takes them. Error{kInput} naming file and field for
 /// other kernels and colour spaces, files beside this one, sparse accessors, nodes that are sheared or scaled
 /// unevenly, and whatever else does not hold what it should.
-[[nodiscard]] GaussianSet read_glb(const std::string& bytes, const std::string& file);
+[[nodiscard]] GaussianSet read_glb(const std::string& bytes,
+                                   const std::string& file,
+                                   SplatReport* report = nullptr);
 /// The bytes of such a file: one primitive, floats, COLOR_0 for viewers that know no splats; compress: SPZ 3.
 /// Error{kInput} for what validate() refuses, LiDAR sets, and more than 4 GiB.
 [[nodiscard]] std::string glb_of(const GaussianSet& set, const SplatOutput& how, const std::string& file);

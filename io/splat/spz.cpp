@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <fmt/format.h>
-#include <fstream>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -37,6 +36,7 @@ struct Header {
   std::uint32_t points = 0;
   int sh_degree = 0;
   int fractional_bits = 0;
+  bool is_antialiased = false;
 };
 
 /// The streams in the order of the file, each with all points.
@@ -66,6 +66,7 @@ Header parse_header(const std::string& bytes, const std::string& file) {
   h.points = static_cast<std::uint32_t>(little_endian(bytes, 8, 4));
   h.sh_degree = static_cast<std::uint8_t>(bytes[12]);
   h.fractional_bits = static_cast<std::uint8_t>(bytes[13]);
+  h.is_antialiased = (static_cast<std::uint8_t>(bytes[14]) & 1U) != 0;
   if (h.version < 1 || h.version > 4) {
     throw_input_error(file, "version", fmt::format("{}", h.version), "1 to 4");
   }
@@ -228,32 +229,20 @@ int fractional_bits_of(const GaussianSet& set, const std::string& file) {
 
 }  // namespace
 
-std::string antialiased_note(const std::filesystem::path& file) {
-  std::string start(4096, '\0');  // of a gzip stream that is enough for the header
-  std::ifstream in(file, std::ios::binary);
-  in.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(in.gcount()));
-  if (is_gzip(start)) start = gunzip_start(start, kHeaderBytes, file.string());
-  constexpr unsigned kAntialiased = 1;
-  if (start.size() < kHeaderBytes || !start.starts_with(kMagic) ||
-      (static_cast<std::uint8_t>(start[14]) & kAntialiased) == 0)
-    return "";
-  return "trained antialiased: render.camera_compensation=true renders it so";
-}
-
 GaussianSet read_spz(const std::filesystem::path& file) {
   return read_spz(read_file(file, kMaxBytes), file.string());
 }
 
-GaussianSet read_spz(std::string bytes, const std::string& file) {
-  GaussianSet set = set_of_spz(std::move(bytes), file);
+GaussianSet read_spz(std::string bytes, const std::string& file, SplatReport* report) {
+  GaussianSet set = set_of_spz(std::move(bytes), file, report);
   turn(set);
   return set;
 }
 
-GaussianSet set_of_spz(std::string bytes, const std::string& file) {
+GaussianSet set_of_spz(std::string bytes, const std::string& file, SplatReport* report) {
   const bool is_packed = is_gzip(bytes);
   const Header header = parse_header(is_packed ? gunzip_start(bytes, kHeaderBytes, file) : bytes, file);
+  if (report != nullptr && header.is_antialiased) report->is_antialiased = true;
   const auto sizes = stream_bytes(header);
   const auto need_room = [&](std::size_t size, std::size_t room) {
     if (size <= room) return;

@@ -383,6 +383,9 @@ TEST_F(CApi, CountsBrokenSplats) {
   write_file_atomically(path, test::half_broken_ply());
   ASSERT_EQ(simuli_scene_open(device_, path.c_str(), &scenes_.emplace_back()), SIMULI_OK) << simuli_error();
   EXPECT_EQ(simuli_scene_left_out(scenes_.back()), 1U);
+  EXPECT_STREQ(simuli_scene_notes(scenes_.back()),
+               "left out: 1 particles with NaN, Inf or a zero quaternion");
+  EXPECT_STREQ(simuli_scene_notes(scene_), "");
 }
 
 TEST_F(CApi, SaysWhatIsWrong) {

@@ -5,6 +5,7 @@ import json
 import os
 import pickle
 import pathlib
+import struct
 import subprocess
 import sys
 import threading
@@ -320,11 +321,14 @@ names = ["x", "y", "z", *(f"f_dc_{i}" for i in range(3)), "opacity", *(f"scale_{
 pathlib.Path(work, "broken.ply").write_text(
     "ply\nformat ascii 1.0\nelement vertex 2\n" + "".join(f"property float {name}\n" for name in names)
     + "end_header\n" + "1 2 3 4 5 6 7 8 9 10 1 0 0 0\n" + "1 2 nan 4 5 6 7 8 9 10 1 0 0 0\n")
+pathlib.Path(work, "flagged.spz").write_bytes(struct.pack("<4s2I4B19x", b"NGSP", 2, 1, 0, 12, 1, 0))
 with warnings.catch_warnings(record=True) as told:
     warnings.simplefilter("always")
     assert simuli.Scene(os.path.join(work, "broken.ply")).left_out == 1 and scene.left_out == 0
-assert [str(w.message).partition("broken.ply: ")[2] for w in told] == [
-    "left out: 1 particles with NaN, Inf or a zero quaternion"], told
+    simuli.Scene(os.path.join(work, "flagged.spz"))
+assert [str(w.message).partition(work + "/")[2] for w in told] == [
+    "broken.ply: left out: 1 particles with NaN, Inf or a zero quaternion",
+    "flagged.spz: trained antialiased: render.camera_compensation=true renders it so"], told
 refused(lambda: simuli.Scene("/nowhere"), "/nowhere")
 refused(lambda: simuli.Scene(folder, quality="best"), "quality")
 refused(lambda: simuli.Scene(folder, settings=["render.alpha_cut=7"]), "render.alpha_cut")

@@ -30,6 +30,7 @@ struct simuli_scene {
   simuli::ActorCopies copies;                      // of actors that it was opened with
   std::optional<simuli::SupportOnDevice> support;  // when first asked for
   std::optional<simuli::LabelsOnDevice> labels;    // the same, of the scene and options as they are now
+  std::string notes;                               // of a file of splats
 };
 
 struct simuli_frame {

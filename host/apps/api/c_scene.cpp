@@ -46,8 +46,9 @@ simuli_status simuli_scene_open(const simuli_device* device, const char* folder,
     SceneFile file = read_scene(&need(folder, "folder"));
     SensorRig rig(file);
     SceneOnDevice on_device(on, std::exchange(file.scene, {}));
-    out =
-        new simuli_scene{std::move(rig), std::move(file), RenderOptions{}, std::move(on_device), {}, {}, {}};
+    std::string notes = fmt::format("{}", fmt::join(file.splats.notes(), "\n"));
+    out = new simuli_scene{
+        std::move(rig), std::move(file), {}, std::move(on_device), {}, {}, {}, std::move(notes)};
   });
 }
 
@@ -62,7 +63,11 @@ simuli_status simuli_scene_save(const simuli_scene* scene, const char* folder) {
 void simuli_scene_close(simuli_scene* scene) { delete scene; }
 
 size_t simuli_scene_left_out(const simuli_scene* scene) {
-  return scene == nullptr ? 0 : static_cast<size_t>(scene->file.left_out);
+  return scene == nullptr ? 0 : static_cast<size_t>(scene->file.splats.left_out);
+}
+
+const char* simuli_scene_notes(const simuli_scene* scene) {
+  return scene == nullptr ? "" : scene->notes.c_str();
 }
 
 simuli_status simuli_scene_set_options(simuli_scene* scene, const simuli_options* options) {

@@ -117,6 +117,9 @@ simuli_status simuli_scene_save(const simuli_scene* scene, const char* folder);
 void simuli_scene_close(simuli_scene* scene);
 /* Of a file of splats: how many particles with NaN, Inf or a zero quaternion are left out. */
 size_t simuli_scene_left_out(const simuli_scene* scene);
+/* Of a file of splats, a line each: what is left out, and how it says that it was trained. "" of others; it lives
+   as long as the scene. */
+const char* simuli_scene_notes(const simuli_scene* scene);
 /* How frames are rendered from now on. */
 simuli_status simuli_scene_set_options(simuli_scene* scene, const simuli_options* options);
 

@@ -57,9 +57,9 @@ Export of_splats(const ExportCommand& command) {
     throw_usage_error("INPUT", "a file of splats", "a scene with --at and with edits");
   }
   if (command.lidar) return {read_gaussians_ply(command.input, SetKind::kLidar)};
-  Eigen::Index broken = 0;
-  Export out{read_splats(command.input, &broken)};
-  if (broken > 0) out.left_out.push_back(broken_particles(broken));
+  SplatReport report;
+  Export out{read_splats(command.input, &report)};
+  for (const std::string& note : report.notes()) std::cerr << fmt::format("simuli: note: {}\n", note);
   return out;
 }
 

@@ -20,9 +20,8 @@ class PyScene {
     const RenderOptions options = render_options(quality, settings);
     file_ = read_scene(folder);
     rig_ = SensorRig(file_);
-    if (file_.left_out > 0) {
-      const std::string text =
-          fmt::format("{}: left out: {}", folder.string(), broken_particles(file_.left_out));
+    for (const std::string& note : file_.splats.notes()) {
+      const std::string text = on_one_line(fmt::format("{}: {}", folder.string(), note));
       const py::gil_scoped_acquire python;  // the device's lock is waited for without it
       if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) < 0) throw py::error_already_set();
     }
@@ -53,7 +52,7 @@ class PyScene {
     const bool is_own = rig_.has(sensor.name()) && rig_.find(sensor.name()).has_rays_of(sensor);
     return is_mounted || is_own ? sensor : rig_.in_place(sensor);
   }
-  [[nodiscard]] Eigen::Index left_out() const { return file_.left_out; }
+  [[nodiscard]] Eigen::Index left_out() const { return file_.splats.left_out; }
   [[nodiscard]] const FrameSpans& recorded_frames() const { return file_.recorded_frames; }
   [[nodiscard]] const Trajectory& path() const {
     if (!file_.world_from_rig.poses().empty()) return file_.world_from_rig;

@@ -177,9 +177,9 @@ TEST_F(ViewCli, ActorsAreAddedForTheSession) {
   json view = view_of("front");
   view["removed"] = {"a b", "car_2", "car_3"};
   EXPECT_EQ(post("/api/picture", view).status, 200);
-  EXPECT_EQ(added.at("left_out"), "");
-  EXPECT_EQ(made("/api/add?file=b.ply&time_s=0.2", half_broken_ply()).at("left_out"),
-            simuli::broken_particles(1));
+  EXPECT_EQ(added.at("notes"), json::array());
+  EXPECT_EQ(made("/api/add?file=b.ply&time_s=0.2", half_broken_ply()).at("notes"),
+            json::array({"left out: " + simuli::broken_particles(1)}));
   const auto refused = [&](const std::string& path, const std::string& body, int status, const char* part) {
     const httplib::Result result = client_->Post(path, body, "application/octet-stream");
     EXPECT_EQ(result->status, status) << result->body;

@@ -9,6 +9,7 @@
 #include "host/core/scene/placement.hpp"
 #include "io/base/bytes.hpp"
 #include "io/base/file.hpp"
+#include "io/base/gzip.hpp"
 #include "io/splat/ply.hpp"
 #include "io/splat/splat_file.hpp"
 #include "io/splat/spz_bytes.hpp"
@@ -170,6 +171,24 @@ TEST(Glb, CarriesSpzInItsOwnAxes) {
   const GaussianSet from_glb = read_splats(scratch / "c.glb"), from_spz = read_splats(scratch / "c.spz");
   EXPECT_LT((from_glb.mean() - from_spz.mean()).cwiseAbs().maxCoeff(), 1e-6F);
   EXPECT_LT((from_glb.params.rightCols(27) - from_spz.params.rightCols(27)).cwiseAbs().maxCoeff(), 1e-2F);
+}
+
+TEST(Glb, TellsWhatTheSpzInItTells) {
+  const Scratch scratch;
+  for (const char flags : {'\0', '\1'}) {
+    Parts parts = parts_of(glb_of(some_set(0, 3), {SplatAxes::kYDown, true}, "a.glb"));
+    std::string spz = gunzip(spz_of(some_set(0, 3), "a.spz"), "a.spz", 4096);
+    spz[14] = flags;
+    const std::size_t at = parts.binary.size(), end = at + spz.size();
+    for (Json& view : parts.json.at("bufferViews")) {
+      if (parts.binary.compare(view.value("byteOffset", std::size_t{0}), 2, "\x1f\x8b") == 0)
+        view["byteOffset"] = at, view["byteLength"] = spz.size();
+    }
+    parts.json.at("buffers").at(0)["byteLength"] = end;
+    SplatReport report;
+    (void)read_splats(scratch.file("a.glb", glb(parts.json.dump(), parts.binary + spz)), &report);
+    EXPECT_EQ(report.is_antialiased, flags == '\1');
+  }
 }
 
 /// One particle in integers, interleaved, in a node that turns, doubles and moves it.

@@ -290,21 +290,21 @@ TEST(Ply, OneBadParticleOfAnothersFileIsLeftOut) {
       "5 2 3 4 5 6 7 8 1e39 10 1 0 0 0\n"
       "6 2 3 4 5 6 1e-999 8 9 10 1 0 0 0\n";
   const std::string text = replaced(ascii_ply("", rows), "vertex 1", "vertex 6");
-  Eigen::Index left_out = 0;
-  const GaussianSet set = read_splats(scratch.file("a.ply", text), &left_out);
+  SplatReport report;
+  const GaussianSet set = read_splats(scratch.file("a.ply", text), &report);
   ASSERT_EQ(set.size(), 3);
-  EXPECT_EQ(left_out, 3);
+  EXPECT_EQ(report.left_out, 3);
   // The same where such a file is a scene.
   const SceneFile scene = read_scene(scratch / "a.ply");
   EXPECT_EQ(scene.scene.camera.size(), 3);
-  EXPECT_EQ(scene.left_out, 3);
+  EXPECT_EQ(scene.splats.left_out, 3);
   EXPECT_EQ(set.mean().col(0), Eigen::Vector3f(1.0F, 3.0F, 6.0F));
   // sigmoid(Inf) is 1, of -Inf 0: as a byte of 255 and of 0 is read.
   EXPECT_FLOAT_EQ(set.opacity_logit()(0), std::log(509.0F));
   EXPECT_FLOAT_EQ(set.opacity_logit()(1), -std::log(509.0F));
   EXPECT_EQ(set.opacity_logit()(2), 0.0F);
   const auto none = scratch.file("b.ply", ascii_ply("", "1 nan 3 4 5 6 7 8 9 10 1 0 0 0\n"));
-  expect_input_error([&] { (void)read_splats(none, &left_out); }, {"b.ply", "1, none of them sound"});
+  expect_input_error([&] { (void)read_splats(none, &report); }, {"b.ply", "1, none of them sound"});
 }
 
 TEST(Ply, ElementsInFrontAndBlanksBehindAreSkipped) {

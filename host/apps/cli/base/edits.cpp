@@ -48,10 +48,7 @@ Mounting parse_mounting(const char* option, const std::string& text) {
 
 SceneFile read_told_scene(const std::filesystem::path& path) {
   SceneFile scene = read_scene(path);
-  if (scene.left_out > 0)
-    std::cerr << fmt::format("simuli: note: left out: {}\n", broken_particles(scene.left_out));
-  if (const std::string note = is_splat_file(path) ? antialiased_note(path) : ""; !note.empty())
-    std::cerr << fmt::format("simuli: note: {}\n", note);
+  for (const std::string& note : scene.splats.notes()) std::cerr << fmt::format("simuli: note: {}\n", note);
   return scene;
 }
 

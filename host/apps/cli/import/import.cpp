@@ -125,12 +125,11 @@ void import_splats(SplatCommand command, const Globals& globals) {
   if (!command.is_survey) write_scene(command.output, scene);
   const Eigen::AlignedBox3d box = extent_of(scene.scene.camera);
   const Eigen::Vector3d size = box.sizes(), from = scene.scene.origin + box.min();
-  if (scene.left_out > 0) std::cerr << fmt::format("left out: {}\n", broken_particles(scene.left_out));
-  if (const std::string note = antialiased_note(command.file); !note.empty()) std::cerr << note << '\n';
+  for (const std::string& note : scene.splats.notes()) std::cerr << note << '\n';
   if (globals.json) {
     const nlohmann::ordered_json out = {{"folder", command.output},
                                         {"particles", scene.scene.camera.size()},
-                                        {"left_out", scene.left_out},
+                                        {"left_out", scene.splats.left_out},
                                         {"sh_degree", scene.scene.camera.sh_degree},
                                         {"from_m", {from.x(), from.y(), from.z()}},
                                         {"size_m", {size.x(), size.y(), size.z()}}};

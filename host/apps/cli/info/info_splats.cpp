@@ -38,20 +38,18 @@ std::string set_text(const char* name, const GaussianSet& set) {
 }
 
 void print_splats(const std::filesystem::path& file, bool json) {
-  Eigen::Index left_out = 0;
-  const GaussianSet set = read_splats(file, &left_out);
-  const std::string note = antialiased_note(file);
+  SplatReport report;
+  const GaussianSet set = read_splats(file, &report);
   if (json) {
     nlohmann::ordered_json out = {{"kind", "splats"}, {"file", file.string()}};
     out.update(set_json(set));
-    out["left_out"] = left_out;
-    if (!note.empty()) out["note"] = note;
+    out["left_out"] = report.left_out;
+    out["notes"] = report.notes();
     std::cout << json_text(out) << '\n';
     return;
   }
   std::cout << fmt::format("splats {}\n", on_one_line(file.string())) << set_text("camera", set);
-  if (left_out > 0) std::cout << fmt::format("  left out: {}\n", broken_particles(left_out));
-  if (!note.empty()) std::cout << "  " << note << '\n';
+  for (const std::string& note : report.notes()) std::cout << "  " << note << '\n';
   if (set.size() == 0) return;
   const Eigen::AlignedBox3f box = bounds_of(set);
   std::cout << fmt::format("  from {:.2f}, {:.2f}, {:.2f} to {:.2f}, {:.2f}, {:.2f} in its own units\n",

@@ -166,8 +166,8 @@ std::string ViewSession::duplicate(const std::string& json) {
 std::string ViewSession::add(const std::string& file_name, const std::string& bytes, double time_s) {
   const std::filesystem::path file = name_from(file_name);
   if (!is_splat_file(file)) throw_input_error(file.string(), "extension", "another one", kSplatExtensions);
-  Eigen::Index left_out = 0;
-  const Scene object = scene_of_splats(read_splats(bytes, file, &left_out), file).scene;
+  SplatReport report;
+  const Scene object = scene_of_splats(read_splats(bytes, file, &report), file).scene;
   const Trajectory& path = file_.world_from_rig;
   const double at_s = std::clamp(time_s, path.start_s(), path.end_s());
   const Pose base_from_rig = standing_pose(path).inverse() * path.at(at_s);
@@ -180,10 +180,7 @@ std::string ViewSession::add(const std::string& file_name, const std::string& by
     add_actor(scene, as_actor(object, name, standing_pose(path)), name, name);
     return fmt::format("--add {}:{}", file.string(), name);
   });
-  return Json{{"actor", name},
-              {"moved_m", json_of(moved_m)},
-              {"left_out", left_out > 0 ? broken_particles(left_out) : ""}}
-      .dump();
+  return Json{{"actor", name}, {"moved_m", json_of(moved_m)}, {"notes", report.notes()}}.dump();
 }
 
 std::string ViewSession::command(const ViewRequest& request) const {

@@ -10,6 +10,7 @@
 #include "host/apps/serve/session/refusal.hpp"
 #include "host/core/base/close_names.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/one_line.hpp"
 #include "host/core/base/stopwatch.hpp"
 #include "host/device/render/options/validate.hpp"
 
@@ -46,8 +47,8 @@ RenderSession::ScenePtr RenderSession::owned(std::unique_ptr<ServedScene> scene)
 
 RenderSession::ScenePtr RenderSession::read(const SceneSource& source) const {
   auto scene = std::make_unique<ServedScene>(source);
-  if (scene->left_out() > 0 && options_.note)
-    options_.note(fmt::format("{}: left out: {}", source.id, broken_particles(scene->left_out())));
+  for (const std::string& note : scene->notes())
+    if (options_.note) options_.note(on_one_line(fmt::format("{}: {}", source.id, note)));
   std::vector<SceneEdit> edits;
   {
     const std::lock_guard lock(mutex_);

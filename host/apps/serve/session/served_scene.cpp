@@ -42,7 +42,7 @@ std::vector<SceneSource> scene_sources(const std::vector<std::string>& arguments
 
 ServedScene::ServedScene(const SceneSource& source) : id_(source.id) {
   SceneFile file = read_scene(source.path);
-  left_out_ = file.left_out;
+  notes_ = file.splats.notes();
   rig_ = SensorRig(file);
   rig_.refuse_files();
   for (const LogCamera& camera : file.cameras) cameras_.push_back(rig_.find(camera.model.name));

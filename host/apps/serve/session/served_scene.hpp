@@ -47,7 +47,7 @@ class ServedScene {
   [[nodiscard]] const Scene& original() const { return is_edited() ? *original_ : *scene_; }
 
   [[nodiscard]] const std::string& id() const { return id_; }
-  [[nodiscard]] Eigen::Index left_out() const { return left_out_; }  // as SceneFile has it
+  [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }  // of a file of splats
   [[nodiscard]] const Scene& scene() const { return *scene_; }
   /// Actors with the particles of another one.
   [[nodiscard]] const std::set<std::string>& external() const { return external_; }
@@ -74,7 +74,7 @@ class ServedScene {
   friend class RenderSession;
   ServedScene(const ServedScene& base, std::shared_ptr<const Scene> scene);
   std::string id_;
-  Eigen::Index left_out_ = 0;
+  std::vector<std::string> notes_;
   SensorRig rig_;
   std::vector<Sensor> cameras_;
   Trajectory world_from_rig_;

@@ -87,13 +87,13 @@ async function duplicate(name) {
 // Splats dropped anywhere on the page: an actor ahead of the rig. What to say of them.
 async function addSplats(file) {
   const query = new URLSearchParams({file: file.name, time_s: state.time});
-  const {actor, moved_m, left_out} = await (await call(`api/add?${query}`, file)).json();
+  const {actor, moved_m, notes} = await (await call(`api/add?${query}`, file)).json();
   settle();
   addedNow(actor);
   state.edits.moved[actor] = moved_m;
   settle();
   await reload();
-  return left_out ? `${file.name}: left out: ${left_out}` : '';
+  return notes.map((note) => `${file.name}: ${note}`).join('; ');
 }
 addEventListener('dragover', e => e.preventDefault());
 addEventListener('drop', async e => {
