@@ -11,6 +11,7 @@
 #include "io/base/file.hpp"
 #include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
+#include "io/base/regular_file.hpp"
 #include "io/log/camera_mask.hpp"
 #include "io/log/log_json.hpp"
 #include "io/log/new_log.hpp"
@@ -47,6 +48,7 @@ std::string read_file_name(JsonObject& object, const fs::path& folder, const cha
   const fs::path path = inside(folder, name, object.file(), object.field(key));
   std::error_code status;
   if (!fs::is_regular_file(path, status)) {
+    need_regular_file(path);
     throw_input_error(object.file(), object.field(key), '"' + name + "\", which is not there", "a file");
   }
   return name;

@@ -142,7 +142,7 @@ class Sequence {
     std::error_code ignored;
     for (std::size_t frame = options_.first; frame <= last_; ++frame) {
       const fs::path file = folder / fmt::format("{:010}{}", frame, ending);
-      if (frame >= times_ns.size() || !fs::is_regular_file(file, ignored)) {
+      if (frame >= times_ns.size() || !fs::exists(file, ignored)) {
         ++report_.absent;
         continue;
       }

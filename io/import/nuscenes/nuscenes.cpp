@@ -246,7 +246,7 @@ Log import_nuscenes(const NuscenesOptions& options,
   log.actors = std::move(t.actors);
   std::error_code ignored;
   report.absent = std::erase_if(
-      t.recordings, [&](const Recording& r) { return !fs::is_regular_file(options.root / r.file, ignored); });
+      t.recordings, [&](const Recording& r) { return !fs::exists(options.root / r.file, ignored); });
   std::vector<const Recording*> pictures, turns;
   std::set<std::string> known;
   for (const Recording& r : t.recordings) {

@@ -12,6 +12,7 @@
 
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
+#include "io/base/regular_file.hpp"
 
 namespace simuli::nuscenes {
 namespace {
@@ -120,6 +121,7 @@ Lidar lidar_of(const std::vector<fs::path>& files, const std::string& name) {
   Lidar lidar = builtin_lidar("nuscenes_lidar_top_hdl32e");
   std::size_t fewest = std::numeric_limits<std::size_t>::max();
   for (const fs::path& file : files) {
+    need_regular_file(file);
     std::error_code failed;
     const std::uintmax_t bytes = fs::file_size(file, failed);
     if (failed) throw_input_error(file.string(), "sweep", failed.message(), "a file");

@@ -91,7 +91,7 @@ void keep_present(PhotoSet& set, PhotoReport& report) {
   }
   const auto is_absent = [](const Photo& photo) {
     std::error_code ignored;
-    return !fs::is_regular_file(photo.file, ignored);
+    return !fs::exists(photo.file, ignored);
   };
   const fs::path first = set.photos.empty() ? "" : set.photos.front().file;
   report.absent = std::erase_if(set.photos, is_absent);

@@ -118,6 +118,14 @@ TEST(Kitti360, ASequenceBecomesALog) {
   // It looks to the left: their y is the right.
   EXPECT_LT((fisheye.rig_from_camera.rotation * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitY()).norm(),
             1e-9);
+
+  const fs::path sweep = fmt::format("data_3d_raw/{}/velodyne_points/data/0000000003.bin", kName);
+  fs::create_directory(data.root / sweep);
+  expect_input_error(
+      [&] {
+        (void)import_kitti360({data.root, "", scratch / "b.log"}, {}, report);
+      },
+      {"0000000003.bin: file: found a folder"});
 }
 
 TEST(Kitti360, SweepsAreThoseOfTheKittiImporter) {

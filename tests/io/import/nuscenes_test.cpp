@@ -173,6 +173,13 @@ TEST(Nuscenes, ASceneBecomesALog) {
   EXPECT_EQ(log.actors[0].name, "car_0");
   EXPECT_EQ(log.actors[0].size_m, Eigen::Vector3d(4.5, 1.9, 1.6));
   EXPECT_NEAR(log.actors[0].at(0.238).translation.y(), 2.5, 1e-6);
+
+  fs::create_directories(data.write() / "sweeps/LIDAR_TOP/absent.pcd.bin");
+  expect_input_error(
+      [&] {
+        (void)import_nuscenes({data.write(), "", "scene-0001", scratch / "x.log"}, {}, report);
+      },
+      {"absent.pcd.bin: file: found a folder"});
 }
 
 TEST(Nuscenes, VehicleInTheBackCameraIsHidden) {

@@ -311,6 +311,12 @@ TEST(Nerfstudio, PosesAreOurs) {
   EXPECT_LT((world_from_camera.rotation * Eigen::Vector3d::UnitY() + Eigen::Vector3d::UnitZ()).norm(), 1e-9);
   EXPECT_NEAR(world_from_camera.translation.x(), 0.5, 1e-9);
 
+  fs::create_directory(scratch / "images" / fmt::format("{}.png", kPhotos - 1));
+  expect_input_error(
+      [&] {
+        (void)import_nerfstudio({file, scratch / "x.log"}, {}, report);
+      },
+      {"3.png: file: found a folder"});
   // instant-ngp's scripts write is_fisheye and no camera_model.
   std::string fisheye =
       transforms(R"("fl_x": 9, "k1": 0.05, "k4": 0.01, "is_fisheye": true, "w": 8, "h": 6,)", "");

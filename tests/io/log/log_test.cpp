@@ -219,6 +219,15 @@ TEST(Log, RefusesValuesThatNoSensorHas) {
   refuse_edit("-0.5,", "-0.9,", {"cameras[0].rig_from_camera.rotation_wxyz", "a unit quaternion"});
 }
 
+TEST(Log, RefusesFoldersForPictures) {
+  const Scratch scratch;
+  const Log log = some_log(scratch);
+  write_log(log);
+  fs::remove(scratch / log.images[0].file);
+  fs::create_directory(scratch / log.images[0].file);
+  expect_input_error([&] { (void)read_log(scratch.path()); }, {"images/0.png: file: found a folder"});
+}
+
 TEST(Log, RefusesDanglingNames) {
   refuse_edit("\"camera\": \"front\"", "\"camera\": \"rear\"", {"images[0].camera", "\"rear\"", "front"});
   refuse_edit("\"lidar\": \"top\"", "\"lidar\": \"roof\"", {"sweeps[0].lidar", "\"roof\"", "top"});
