@@ -13,12 +13,13 @@
 namespace simuli {
 
 Camera scaled_camera(const Camera& camera, double scale) {
-  const bool allowed = scale > 0.0 && scale * std::max(camera.width, camera.height) <= kLargestSide_px;
-  if (!allowed) {
+  const double longer_px = scale * std::max(camera.width, camera.height);
+  if (!(longer_px >= 0.5 && longer_px <= kLargestSide_px)) {
     throw Error(
         ErrorKind::kUsage,
-        fmt::format(
-            "image scale: found {}, allowed above 0, and up to {} pixels a side", scale, kLargestSide_px));
+        fmt::format("image scale: found {}, allowed what leaves half a pixel, and up to {} pixels a side",
+                    scale,
+                    kLargestSide_px));
   }
   // A hair less, so that 0.1 * 1240 is 124 and not 125.
   const auto side = [scale](int px) { return std::max(1, static_cast<int>(std::ceil(px * scale - 1e-9))); };

@@ -70,7 +70,8 @@ TEST_F(Cli, SensorsAreMountedAndSizedAsAsked) {
   EXPECT_NEAR(
       small.at("fy_px").get<double>() / mounted.at("sensor").at("fy_px").get<double>(), 10.0 / 36.0, 1e-12);
   EXPECT_EQ(render("--sensor front --scale 2.5", "large").at("sensor").at("width_px"), 160);
-  expect_failure("render s.scene --sensor front --scale 0 -o x", kUsage, "allowed above 0");
+  expect_failure("render s.scene --sensor front --scale 0 -o x", kUsage, "half a pixel");
+  expect_failure("render s.scene --sensor front --scale 1e-9 -o x", kUsage, "half a pixel");
   expect_failure("render s.scene --sensor front --scale 1e9 -o x", kUsage, "up to 65536 pixels a side");
   expect_failure("render s.scene --sensor front --size 64 -o x", kUsage, "2 finite numbers parted by 'x'");
   expect_failure("render s.scene --sensor front --size 0x9 -o x", kUsage, "whole pixels from 1");

@@ -404,7 +404,8 @@ TEST(ScaledCamera, SidesAreRoundedUp) {
   EXPECT_EQ(half.height, 188);
   EXPECT_DOUBLE_EQ(half.fy, 700.0 * 188.0 / 375.0);
   EXPECT_EQ(scaled_camera(camera, 0.1).width, 125);
-  EXPECT_THROW((void)scaled_camera(camera, 0.0), Error);
+  EXPECT_EQ(scaled_camera(camera, 5e-4).width, 1);
+  for (const double none : {0.0, 1e-9, 4e-4}) EXPECT_THROW((void)scaled_camera(camera, none), Error);
   EXPECT_THROW((void)scaled_camera(camera, std::nan("")), Error);
 }
 
