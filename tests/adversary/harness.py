@@ -8,7 +8,6 @@ import random
 import re
 import resource
 import shutil
-import signal
 import subprocess
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -141,8 +140,6 @@ class Trial:
         def limit() -> None:
             for what, most in (limits or {}).items():
                 resource.setrlimit(what, (most, most))
-            if limits and resource.RLIMIT_FSIZE in limits:
-                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # as if the disk were full
 
         process = subprocess.Popen(
             [*before, self.options.program, *arguments],

@@ -74,6 +74,7 @@ void serve(int pipe) {
 }  // namespace
 
 void watch_signals() {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file above the shell's limit is a write that fails, as on a full disk
   std::array<int, 2> ends{};
   if (signal_pipe >= 0 || ::pipe2(ends.data(), O_CLOEXEC) != 0) return;  // signals end it as they would
   try {
