@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "host/core/base/interruption.hpp"
 #include "host/core/base/parallel.hpp"
 #include "host/core/base/spread.hpp"
 #include "optim/init/actor_tracks.hpp"
@@ -146,6 +147,7 @@ std::vector<BodyReturn> all_returns(const SweepSeries& series,
                                     const TakenReturns& taken) {
   std::vector<BodyReturn> out;
   for (std::size_t k = 0; k < track.keys(); ++k) {
+    Interruption::ask();
     const std::vector<BodyReturn> here = returns_of(series, track, k, box, taken);
     out.insert(out.end(), here.begin(), here.end());
   }

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "host/core/base/interruption.hpp"
 #include "host/core/base/srgb.hpp"
 #include "optim/base/metrics.hpp"
 
@@ -39,6 +40,7 @@ Kernel normalized(Kernel kernel) {
 
 /// The border goes on outside.
 Plane along_second(const Plane& in, const Kernel& kernel) {
+  Interruption::ask();
   Plane out = Plane::Zero(in.rows(), in.cols());
   const auto radius = static_cast<Eigen::Index>(kernel.size() / 2);
   for (Eigen::Index c = 0; c < in.cols(); ++c) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 #include "optim/base/metrics.hpp"
 
 namespace simuli {
@@ -153,6 +154,7 @@ double ssim(const Image& rendered, const Image& truth) {
   std::size_t windows = 0;
   for (int channel = 0; channel < truth.channels; ++channel) {
     for (int y = 0; y < valid_height; ++y) {
+      Interruption::ask();
       const std::vector<bool> known = known_windows(truth, y);
       const std::vector<Moments> columns = column_moments(rendered, truth, channel, y, window);
       for (int x = 0; x < valid_width; ++x) {

@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/core/base/interruption.hpp"
+
 namespace simuli {
 namespace {
 
@@ -133,6 +135,7 @@ void register_track(Actor& actor, const std::vector<ActorReturn>& returns, const
     heard[at.key + 1] += at.share;
   }
   for (const double voxel_m : kVoxel_m) {
+    Interruption::ask();
     using Cell = std::array<int, 3>;
     std::map<Cell, Surface> surfaces;
     std::vector<Pose> world_from_actor;

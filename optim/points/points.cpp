@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 #include "host/core/base/parallel.hpp"
 #include "host/core/scene/splitmix.hpp"
 #include "optim/points/point_tree.hpp"
@@ -107,6 +108,7 @@ void VoxelGrid::add(const Eigen::Vector3d& position, double intensity, const Sig
 }
 
 void VoxelGrid::merge() {
+  Interruption::ask();
   std::sort(cells_.begin(), cells_.end(), [](const Cell& a, const Cell& b) { return a.key < b.key; });
   std::size_t out = 0;
   for (std::size_t i = 0; i < cells_.size(); ++i) {

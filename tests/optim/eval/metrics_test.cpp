@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <gtest/gtest.h>
 #include <limits>
 #include <string>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 #include "tests/support/scenes.hpp"
 
 namespace simuli {
@@ -195,6 +197,17 @@ TEST(Psnr, UnequalSizesAreRefused) {
     EXPECT_NE(std::string(error.what()).find("5x5x1"), std::string::npos) << error.what();
   }
   EXPECT_THROW((void)psnr_db(Image(), Image()), Error);
+}
+
+TEST(Metrics, HearWhoInterrupts) {
+  const Image image = noise(48, 32, 3, 2);
+  for (const auto metric : {ssim, flip}) {
+    int looks = 0;
+    const std::function<void()> look = [&] { ++looks; };
+    const Interruption interruption(look);
+    (void)metric(image, image);
+    EXPECT_GT(looks, 20);
+  }
 }
 
 TEST(Ssim, IsOneForIdenticalPictures) {

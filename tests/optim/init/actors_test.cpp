@@ -1,9 +1,11 @@
 // Actors in initialisation, training and evaluation, on a small street with its moving car.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <gtest/gtest.h>
 #include <utility>
 
+#include "host/core/base/interruption.hpp"
 #include "io/synth/street.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/init/actor_tracks.hpp"
@@ -295,7 +297,11 @@ TEST(ActorTracks, AreWonBackFromReturns) {
     return std::pair(std::sqrt(square), turn);
   };
   Actor found = noisy;
+  int looks = 0;
+  const std::function<void()> look = [&] { ++looks; };
+  const Interruption interruption(look);
   register_track(found, returns);
+  EXPECT_GT(looks, 1);
   EXPECT_GT(spread(noisy).first, 0.2);
   EXPECT_LT(spread(found).first, 0.15 * spread(noisy).first) << spread(found).first;
   EXPECT_LT(spread(found).second, 0.3 * spread(noisy).second) << spread(found).second;

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <gtest/gtest.h>
 #include <limits>
 #include <random>
 #include <set>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 
 namespace simuli {
 namespace {
@@ -68,6 +70,14 @@ TEST(VoxelGrid, OrderOfThePointsDoesNotShow) {
   EXPECT_EQ(a.size(), 12U * 12U * 12U);
   EXPECT_EQ(a.position, b.position);
   EXPECT_EQ(a.intensity, b.intensity);
+}
+
+TEST(VoxelGrid, HearsWhoInterrupts) {
+  int looks = 0;
+  const std::function<void()> look = [&] { ++looks; };
+  const Interruption interruption(look);
+  (void)voxelise(random_points(100), 0.5);
+  EXPECT_GT(looks, 0);
 }
 
 TEST(VoxelGrid, RefusesWhatItCannotHold) {
