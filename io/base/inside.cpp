@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "host/core/base/error.hpp"
+#include "io/base/temporary.hpp"
 
 namespace simuli {
 namespace {
@@ -31,8 +32,10 @@ fs::path below(const fs::path& folder, const fs::path& path, std::string_view fi
 fs::path inside(const fs::path& folder, const fs::path& path, std::string_view file, std::string_view field) {
   fs::path whole = below(folder, path, file, field);
   std::error_code failed;
-  const fs::path target = fs::weakly_canonical(whole, failed);
-  const fs::path root = failed ? fs::path() : fs::weakly_canonical(folder.empty() ? "." : folder, failed);
+  // From the working folder on, so that a folder which is not there becomes absolute, too.
+  const fs::path target = fs::weakly_canonical("." / whole, failed);
+  const fs::path root =
+      failed ? fs::path() : fs::weakly_canonical("." / without_trailing_slash(folder), failed);
   if (failed) refuse(path, ", which can't be followed", folder, file, field);
   const auto [end, unused] = std::mismatch(root.begin(), root.end(), target.begin(), target.end());
   if (end != root.end()) refuse(path, ", a link that leads out", folder, file, field);

@@ -17,6 +17,8 @@ TEST(Inside, IsWhatLiesInTheFolder) {
   const fs::path folder = scratch / "a.log";
   EXPECT_EQ(inside(folder, "images/0.png", "log.json", "images[0].file"), folder / "images/0.png");
   EXPECT_EQ(inside(folder, "absent", "log.json", "points"), folder / "absent");
+  for (const char* none : {"", "none", "none/", "./none/", "/none/"})
+    EXPECT_EQ(inside(none, "absent", "log.json", "points"), fs::path(none) / "absent");
   // A link that stays, and a folder that is one itself.
   fs::create_symlink("images", folder / "pictures");
   EXPECT_EQ(inside(folder, "pictures/0.png", "log.json", "file"), folder / "pictures/0.png");
