@@ -6,17 +6,20 @@
 /// LS work-items per tile. With d = rendered - truth, L = sum over pixels and channels of
 /// absolute_scale |d| + squared_scale d^2: of what a static scene can't foretell (leaves, cars that pass) the
 /// first learns the median, the second the mean.
-/// A pixel whose truth is negative is not known and has no part in it. Where sky_scale > 0, L has sky_scale (1 - T) -
-/// sky_scale_per_m D of each pixel that shows sky: of a particle its weight times how much nearer it is than sky.
-/// in  picture[3][slots]; truth[3][slots], where sky_scale > 0 [4][slots], the last 1 for sky, 0 for others;
+/// A pixel whose truth is negative is not known and has no part in it. Where sky_scale > 0, L has
+/// sky_scale max(0, (1 - T) - D sky_per_m) of each pixel that shows sky: of a particle its weight times how much nearer
+/// it is than sky, as long as that sums up to anything. Without that end what is farther gains by every growth, and
+/// steps of Adam, which are as large for faint gradients, grow the far shell until it surrounds the camera.
+/// in  out[5][slots] as rendered; picture[3][slots]; truth[3][slots], where sky_scale > 0 [4][slots], the last 1 for sky, 0 for others;
 ///     world_ray[3][slots]: a zero direction marks slots without a pixel
 /// out grad_out[5][slots]; sums[tiles][2]: sum of |difference| and of its square
 __kernel SIM_GROUP void loss_image(const FrameParams frame,
                                    const real absolute_scale,
                                    const real squared_scale,
                                    const real sky_scale,
-                                   const real sky_scale_per_m,
+                                   const real sky_per_m,
                                    __global const real* world_ray,
+                                   __global const real* out,
                                    __global const real* picture,
                                    __global const real* truth,
                                    __global real* grad_out,
@@ -37,8 +40,11 @@ __kernel SIM_GROUP void loss_image(const FrameParams frame,
       STV(grad_out + c * s + i, fma(difference, (F)(R(2.0) * squared_scale), sign * absolute_scale));
     }
     const F sky = sky_scale > R(0.0) ? SEL(real_pixel, LDV(truth + 3 * s + i), (F)R(0.0)) : (F)R(0.0);
-    STV(grad_out + SIM_O_TRANSMITTANCE * s + i, -sky_scale * sky);
-    STV(grad_out + SIM_O_DISTANCE * s + i, -sky_scale_per_m * sky);
+    const F distance = LDV(out + SIM_O_DISTANCE * s + i), left = LDV(out + SIM_O_TRANSMITTANCE * s + i);
+    const F nearer = R(1.0) - left - sky_per_m * distance;
+    const F sky_slope = SEL(nearer > R(0.0), -sky_scale * sky, (F)R(0.0));
+    STV(grad_out + SIM_O_TRANSMITTANCE * s + i, sky_slope);
+    STV(grad_out + SIM_O_DISTANCE * s + i, sky_per_m * sky_slope);
   }
 #if LS > 1
   __local real parts[LS * 2];

@@ -22,7 +22,7 @@ constexpr const char* kSettings = "settings";
 constexpr const char* kIterations = "iterations";  // planned
 constexpr const char* kLength = "length";
 
-constexpr double kLeastSkyFrom_m = 100.0, kSkyFrom = 0.5;
+constexpr double kLeastSkyFrom_m = 100.0, kSkyFrom = 0.9;
 
 double farthest_m(const GaussianSet& set) {
   if (set.size() == 0) return 0.0;

@@ -45,7 +45,7 @@ struct TrainerState {
   const Log& log;
   Scene scene;
   double actor_margin_m = 0.0;
-  double sky_from_m;     // half-way to the camera set's farthest particle as training begins: what is sky
+  double sky_from_m;  // most of the way to the camera set's farthest particle as training begins: what is sky
   TrainOptions options;  // rates those of steps of options.shards frames, iterations as far as is known
   std::uint64_t seed;
   Device device;

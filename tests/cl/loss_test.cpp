@@ -50,7 +50,7 @@ struct Rendered {
     upload();
   }
   ImageLoss image_loss(ImageLossStage& stage, const RealBuffer& truth, const ImageLossScale& scale) {
-    return stage.run(frame, buffers.rays, buffers.blended.out, truth, scale, gradients);
+    return stage.run(frame, buffers.rays, buffers.blended.out, buffers.blended.out, truth, scale, gradients);
   }
   LidarLoss lidar_loss(LidarLossStage& stage, const RealBuffer& truth, const LidarLossScale& scale) {
     return stage.run(frame, buffers.constants, buffers.rays, buffers.blended, truth, scale, gradients);
@@ -129,7 +129,7 @@ TEST_P(Loss, PictureMatchesTheLoopAndItsQuotients) {
   }
 }
 
-TEST_P(Loss, SkyAsksForNothingNear) {
+TEST_P(Loss, SkyAsksForNothingNearAndLetsWhatIsFarBe) {
   if (precision() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
   Rendered rendered(device_, precision());
   ImageLossStage stage(device_, precision(), GetParam().second);
@@ -140,13 +140,21 @@ TEST_P(Loss, SkyAsksForNothingNear) {
   }
   RealBuffer truth(device_, "truth", precision());
   truth.assign(std::span<const double>(truth_values));
-  static_cast<void>(rendered.image_loss(stage, truth, {.absolute = 1.0, .sky = 0.25, .sky_from_m = 128.0}));
+  constexpr double kSkyFrom_m = 16.0;
+  static_cast<void>(
+      rendered.image_loss(stage, truth, {.absolute = 1.0, .sky = 0.25, .sky_from_m = kSkyFrom_m}));
   const std::vector<double> grad = rendered.gradients.grad_out.download_double();
+  std::size_t near = 0, far = 0;
   for (std::size_t i = 0; i < kSlots; ++i) {
     const bool is_sky = i % 3 == 0 && i % 5 != 0 && Rendered::fired(i);
-    ASSERT_EQ(grad[SIM_O_TRANSMITTANCE * kSlots + i], is_sky ? -0.25 : 0.0) << i;
-    ASSERT_EQ(grad[SIM_O_DISTANCE * kSlots + i], is_sky ? -0.25 / 128.0 : 0.0) << i;
+    const double opacity = 1.0 - rendered.out[SIM_O_TRANSMITTANCE * kSlots + i];
+    const bool is_near = opacity > rendered.out[SIM_O_DISTANCE * kSlots + i] / kSkyFrom_m;
+    (is_near ? near : far) += is_sky ? 1 : 0;
+    ASSERT_EQ(grad[SIM_O_TRANSMITTANCE * kSlots + i], is_sky && is_near ? -0.25 : 0.0) << i;
+    ASSERT_EQ(grad[SIM_O_DISTANCE * kSlots + i], is_sky && is_near ? -0.25 / kSkyFrom_m : 0.0) << i;
   }
+  EXPECT_GT(near, 10U);
+  EXPECT_GT(far, 10U);
 }
 
 /// Terms of one ray of a sweep, straight from their definition.

@@ -115,8 +115,8 @@ ImageLoss Pass::image_loss(const RayValues& truth, const ImageLossScale& scale) 
   State& s = last("image_loss");
   need(s.frame.rays->grid().type == SensorType::kCamera, "image_loss", "a LiDAR's frame", "a camera's");
   s.need_truth("image_loss", truth, scale.sky > 0.0 ? 4 : 3);
-  const ImageLoss loss =
-      s.image_loss.run(s.frame.params, s.buffers.rays, s.shown(), truth.slots(), scale, s.gradients);
+  const ImageLoss loss = s.image_loss.run(
+      s.frame.params, s.buffers.rays, s.buffers.blended.out, s.shown(), truth.slots(), scale, s.gradients);
   s.has_gradient();
   return loss;
 }

@@ -77,9 +77,10 @@ class ImageLossStage {
  public:
   /// `work_items` as loss_work_items().
   ImageLossStage(const Device& device, Precision precision, std::size_t work_items = 0);
-  /// picture[3][S] (out itself, or what was made of it) -> grad_out. truth[3][S]. Waits.
+  /// out, as rendered, and picture[3][S] (out itself, or what was made of it) -> grad_out. truth[3][S]. Waits.
   ImageLoss run(const shared::FrameParams& frame,
                 const WorldRays& world_rays,
+                const RealBuffer& rendered,
                 const RealBuffer& picture,
                 const RealBuffer& truth,
                 const ImageLossScale& scale,

@@ -17,7 +17,7 @@ struct ImageLossScale {
   double squared = 0.0;
   double dissimilarity = 0.0;
   // Of the pixels that the truth's fourth channel marks (1: sky): the sum of their particles' weights, each times
-  // 1 - distance / sky_from_m.
+  // 1 - distance / sky_from_m, where it is above 0.
   double sky = 0.0;
   double sky_from_m = 1.0;
 };
