@@ -260,7 +260,7 @@ void find_velocities(const SweepSeries& series, std::vector<std::vector<MovingCl
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) find_velocity(series, trees, clusters, *all[i]);
       },
-      8);
+      2);
 }
 
 std::vector<ClusterChain> chains_of(const SweepSeries& series,
@@ -268,6 +268,7 @@ std::vector<ClusterChain> chains_of(const SweepSeries& series,
   std::map<const MovingCluster*, const MovingCluster*> next, before;
   for (const std::size_t step : {std::size_t{1}, std::size_t{2}}) {
     for (std::size_t s = 0; s + step < clusters.size(); ++s) {
+      Interruption::ask();
       struct Link {
         double share;
         const MovingCluster *from, *to;
