@@ -88,18 +88,21 @@ std::string range_image() {
 }
 
 /// Frame i at 0.1 i s: the vehicle drives 10 m/s along x; one camera, TOP, a car 20 m ahead.
-std::string frame(int i, const std::string& picture, const std::string& image = range_image()) {
+std::string frame(int i,
+                  const std::string& picture,
+                  const std::string& image = range_image(),
+                  std::uint64_t read_out = 4) {
   const double t = kStart_s + 0.1 * i, x = 1000.0 + i;
   Message context;
   context.bytes(1, "segment-1");
   context.bytes(2,
                 Message()
                     .number(1, 1)
-                    .reals(2, {9, 10, 3.5, 2.5, 0.01, 0.0, 0.0, 0.001, 0.0})
+                    .reals(2, {9, 10, 3.5, 2.5, 0.01, -0.02, 0.003, 0.001, 0.004})
                     .bytes(3, transform(1.5, 0.0, 2.0))
                     .number(4, 8)
                     .number(5, 6)
-                    .number(6, 4)
+                    .number(6, read_out)
                     .text());
   context.bytes(3, Message().number(1, 2).text());
   context.bytes(3,
@@ -186,6 +189,36 @@ TEST(Waymo, ASegmentBecomesALog) {
   EXPECT_EQ(log.actors[0].kind, "vehicle");
   EXPECT_EQ(log.actors[0].size_m, Eigen::Vector3d(4.5, 1.9, 1.6));
   EXPECT_NEAR(log.actors[0].track.at(1).world_from_actor.translation.x(), 1021.0, 1e-9);
+}
+
+TEST(Waymo, LensesAndShuttersAreThoseOfTheirCalibration) {
+  const Scratch scratch;
+  const std::string picture = some_picture(scratch);
+  constexpr ShutterKind kReadOut[] = {ShutterKind::kTopToBottom,
+                                      ShutterKind::kLeftToRight,
+                                      ShutterKind::kBottomToTop,
+                                      ShutterKind::kRightToLeft,
+                                      ShutterKind::kGlobal};
+  for (std::uint64_t k = 0; k < std::size(kReadOut); ++k) {
+    WaymoReport report;
+    std::string bytes;
+    for (int i = 0; i < 2; ++i) bytes += record(frame(i, picture, range_image(), k + 1));
+    const fs::path file = scratch.file("s.tfrecord", bytes);
+    const Log log = import_waymo({file, scratch / std::to_string(k)}, {}, report);
+    const Camera& camera = log.camera("FRONT").model;
+    EXPECT_EQ(camera.shutter, kReadOut[k]);
+    const bool rolls = log.images[0].time_end_s > log.images[0].time_start_s;
+    EXPECT_EQ(rolls, camera.shutter != ShutterKind::kGlobal) << k;
+    // By the data set's formula: f_u, f_v, c_u, c_v, k1, k2, p1, p2, k3; pixels' centres at whole numbers.
+    const double x = 0.3, y = -0.2, r2 = x * x + y * y;
+    const double radial = 1.0 + 0.01 * r2 - 0.02 * r2 * r2 + 0.004 * r2 * r2 * r2;
+    const double u = x * radial + 2.0 * 0.003 * x * y + 0.001 * (r2 + 2.0 * x * x);
+    const double v = y * radial + 0.003 * (r2 + 2.0 * y * y) + 2.0 * 0.001 * x * y;
+    Eigen::Vector2d pixel;
+    ASSERT_TRUE(camera.project({x, y, 1.0}, pixel));
+    EXPECT_NEAR(pixel.x(), 9.0 * u + 4.0, 1e-9);
+    EXPECT_NEAR(pixel.y(), 10.0 * v + 3.0, 1e-9);
+  }
 }
 
 TEST(Waymo, RefusesWhatIsNotWhole) {
