@@ -10,7 +10,8 @@
 /// sky_scale max(0, (1 - T) - D sky_per_m) of each pixel that shows sky: of a particle its weight times how much nearer
 /// it is than sky, as long as that sums up to anything. Without that end what is farther gains by every growth, and
 /// steps of Adam, which are as large for faint gradients, grow the far shell until it surrounds the camera.
-/// in  out[5][slots] as rendered; picture[3][slots]; truth[3][slots], where sky_scale > 0 [4][slots], the last 1 for sky, 0 for others;
+/// in  out[5][slots] as rendered; picture[3][slots]; truth[3][slots], where sky_scale > 0 [4][slots], the last 1 for
+///     sky, 0 for others;
 ///     world_ray[3][slots]: a zero direction marks slots without a pixel
 /// out grad_out[5][slots]; sums[tiles][2]: sum of |difference| and of its square
 __kernel SIM_GROUP void loss_image(const FrameParams frame,

@@ -45,12 +45,15 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
 Image without_tint(const Image& rendered, const Image& truth, const std::vector<float>& support) {
   constexpr int kRounds = 6;
   constexpr float kSupported = 0.5F;
+  constexpr std::ptrdiff_t kFewest = 100;  // twelve numbers are fitted
+  const auto is_supported = [](float known) { return known > kSupported; };
+  if (std::count_if(support.begin(), support.end(), is_supported) < kFewest) return rendered;
   constexpr double kLeastError = 0.02;
   Image corrected = rendered;
   for (int round = 0; round < kRounds; ++round) {
     std::vector<float> weight(support.size());
     for (std::size_t i = 0; i < support.size(); ++i) {
-      if (support[i] <= kSupported) continue;
+      if (!is_supported(support[i])) continue;
       const double error = round == 0 ? 1.0 : colour_error(corrected, truth, i);
       weight[i] = static_cast<float>(1.0 / std::max(error, kLeastError));
     }

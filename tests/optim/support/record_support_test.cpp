@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <gtest/gtest.h>
+#include <memory>
 #include <set>
 
 #include "optim/base/frames.hpp"
@@ -93,13 +94,19 @@ TEST_F(RecordSupport, IsNotBlamedForATintThatNothingTells) {
   for (std::size_t i = 0; i < darker.data.size(); ++i) darker.data[i] *= i % 3 == 0 ? 0.6F : 0.5F;
   frame.file = "darker.png";
   write_image(log_.folder / frame.file, darker);
-  const auto right = [&](Tint tint) {
+  const auto right = [&](SupportOnDevice& by, Tint tint) {
     SupportSamples pixels;
-    pixels.add_picture(scene, support, log_, frame, camera, 1, tint);
+    pixels.add_picture(scene, by, log_, frame, camera, 1, tint);
     return reliability(pixels, kSupportColour).right;
   };
-  EXPECT_LT(right(Tint::kKnown), 0.3);
-  EXPECT_GT(right(Tint::kUnknown), 0.7);
+  const double blamed = right(support, Tint::kKnown);
+  EXPECT_LT(blamed, 0.3);
+  EXPECT_GT(right(support, Tint::kUnknown), 0.7);
+  // Where no pixel is supported nothing tells the tint.
+  const auto of_others = std::make_shared<SupportRecord>(*file.support);
+  for (SupportView& view : of_others->views) view.world_from_view.translation.x() += 1000.0;
+  SupportOnDevice none(test::device(), of_others);
+  EXPECT_EQ(right(none, Tint::kUnknown), blamed);
 }
 
 TEST(SupportReliability, RanksAndBinsAreThoseOfTheirDefinition) {
