@@ -40,10 +40,12 @@ __kernel SIM_GROUP void loss_image(const FrameParams frame,
       sign = SEL(difference < R(0.0), (F)R(-1.0), sign);
       STV(grad_out + c * s + i, fma(difference, (F)(R(2.0) * squared_scale), sign * absolute_scale));
     }
-    const F sky = sky_scale > R(0.0) ? SEL(real_pixel, LDV(truth + 3 * s + i), (F)R(0.0)) : (F)R(0.0);
-    const F distance = LDV(out + SIM_O_DISTANCE * s + i), left = LDV(out + SIM_O_TRANSMITTANCE * s + i);
-    const F nearer = R(1.0) - left - sky_per_m * distance;
-    const F sky_slope = SEL(nearer > R(0.0), -sky_scale * sky, (F)R(0.0));
+    F sky_slope = (F)R(0.0);
+    if (sky_scale > R(0.0)) {
+      const F distance = LDV(out + SIM_O_DISTANCE * s + i), left = LDV(out + SIM_O_TRANSMITTANCE * s + i);
+      const I is_near = AND(real_pixel, R(1.0) - left > sky_per_m * distance);
+      sky_slope = SEL(is_near, -sky_scale * LDV(truth + 3 * s + i), sky_slope);
+    }
     STV(grad_out + SIM_O_TRANSMITTANCE * s + i, sky_slope);
     STV(grad_out + SIM_O_DISTANCE * s + i, sky_per_m * sky_slope);
   }
