@@ -224,11 +224,12 @@ class Sensorsim final : public Base::Service {
     ++at_work_;
     const Status status = status_of(work);
     const std::size_t bytes = status.ok() ? reply.ByteSizeLong() : 0;
-    handlers_.metrics().count_call(name, name_of(status.error_code()), watch.seconds(), bytes);
     replies_.begin(static_cast<const grpc::ServerContextBase*>(context), bytes, [call = context->c_call()] {
       grpc_call_cancel_with_status(
           call, GRPC_STATUS_RESOURCE_EXHAUSTED, "reply: found a client that does not read it", nullptr);
     });
+    // After begin(): who reads that a call has ended finds its reply among those that wait.
+    handlers_.metrics().count_call(name, name_of(status.error_code()), watch.seconds(), bytes);
     --at_work_;
     return status;
   }
