@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <fmt/format.h>
 
-#include "host/core/base/one_line.hpp"
-
 namespace simuli {
 namespace {
 
@@ -78,8 +76,8 @@ void need_same(Ranks& ranks, const std::vector<RankField>& fields) {
       const RankField& theirs = i < found.size() ? found[i] : none;
       const RankField& wanted = i < expected.size() ? expected[i] : none;
       if (theirs.name == wanted.name && theirs.value == wanted.value) continue;
-      throw RanksDiffer(on_one_line(fmt::format(
-          "rank {}: {}: found {}, expected {} of rank 0", rank, wanted.name, theirs.value, wanted.value)));
+      throw RanksDiffer(fmt::format(
+          "rank {}: {}: found {}, expected {} of rank 0", rank, wanted.name, theirs.value, wanted.value));
     }
   }
 }

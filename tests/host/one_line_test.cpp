@@ -44,6 +44,11 @@ TEST(OneLine, MessagesAreOne) {
   expect_error(ErrorKind::kInput, "a\\x0ab: \\xe2\\x80\\xae: found \\xc2\\x85, allowed x", [] {
     throw_input_error("a\nb", "\xE2\x80\xAE", "\xC2\x85", "x");
   });
+  expect_error(ErrorKind::kUsage, "no\\x00 key\\x0a", [] {
+    throw Error(ErrorKind::kUsage, std::string("no\0 key\n", 9));
+  });
+  const std::string log = "a.cl:1:\n  error\n";
+  EXPECT_EQ(Error(ErrorKind::kKernel, log).what(), log);  // a driver's own lines
 }
 
 }  // namespace

@@ -160,7 +160,7 @@ for index in (6, -1):
 refused(lambda: drive.sweep("rear", 0), "rear")
 refused(lambda: drive.image(lidar, 0), lidar)
 refused(lambda: drive.world_from_rig(float("nan")), "time_s")
-refused(lambda: simuli.Log(folder), "log.json")
+refused(lambda: simuli.Log(folder), "found a scene, allowed a log")
 
 # Clouds: the returns, in the frame asked for, with beam and time.
 cloud = sweep.cloud()
@@ -405,6 +405,7 @@ for kind, member in ((simuli.Scene, "particles"), (simuli.Frame, "image"), (simu
     else:
         raise AssertionError(kind)
 refused(lambda: simuli.train(log, folder, settings=["no.such=1"]), "no.such")
+refused(lambda: simuli.train(log, folder, settings=["no\0such=1"]), "no\\x00such")
 before = os.stat(os.path.join(folder, "camera.ply")).st_ino
 refused(lambda: simuli.train(log, folder, settings=["iterations=1"], progress=lambda i, psnr: 1 / 0), "not exist yet")
 mine = os.path.join(work, "mine")

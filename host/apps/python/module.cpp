@@ -71,7 +71,7 @@ PYBIND11_MODULE(_simuli, m) {
     try {
       std::rethrow_exception(std::move(thrown));
     } catch (const simuli::Error& told) {
-      PyErr_SetString(error.ptr(), simuli::on_one_line(told.what()).c_str());
+      PyErr_SetString(error.ptr(), told.what());
     }
   });
   error.attr("__module__") = "simuli";

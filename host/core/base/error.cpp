@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kLongestPart = 1000;
 
 std::string part_of_message(std::string_view text) {
-  return on_one_line(text.substr(0, kLongestPart)) + (text.size() > kLongestPart ? "..." : "");
+  return std::string(text.substr(0, kLongestPart)) + (text.size() > kLongestPart ? "..." : "");
 }
 
 [[noreturn]] void throw_found(ErrorKind kind,
@@ -28,6 +28,9 @@ std::string part_of_message(std::string_view text) {
 }
 
 }  // namespace
+
+Error::Error(ErrorKind kind, const std::string& message)
+    : std::runtime_error(kind == ErrorKind::kKernel ? message : on_one_line(message)), kind_(kind) {}
 
 void throw_input_error(std::string_view file,
                        std::string_view field,

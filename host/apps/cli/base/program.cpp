@@ -29,7 +29,7 @@ std::string version_text(const std::string& built_from) {
     const DeviceInfo info = Device::best().info();
     device = fmt::format("{}, driver {}", info.label(), info.driver_version);
   } catch (const Error& error) {
-    device = fmt::format("none ({})", on_one_line(error.what()));
+    device = fmt::format("none ({})", error.what());
   }
   return fmt::format("simuli {}{}\nbuild: {}\ndevice: {}", version(), built_from, SIMULI_BUILD, device);
 }
@@ -107,11 +107,8 @@ void run_arguments(const std::string& name,
 
 Failure failure_of(const std::exception& thrown) {
   constexpr int kInternal = static_cast<int>(ErrorKind::kInternal);
-  if (const auto* const error = dynamic_cast<const Error*>(&thrown)) {
-    // A driver's build log has lines of its own.
-    const bool is_log = error->kind() == ErrorKind::kKernel;
-    return {is_log ? error->what() : on_one_line(error->what()), error->exit_code()};
-  }
+  if (const auto* const error = dynamic_cast<const Error*>(&thrown))
+    return {error->what(), error->exit_code()};
   if (const auto* const ended = dynamic_cast<const Ended*>(&thrown))
     return {ended->what(), ended->exit_code()};
   if (dynamic_cast<const Interrupted*>(&thrown) != nullptr) return {thrown.what(), kInterruptedExit};
