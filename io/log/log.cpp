@@ -180,6 +180,9 @@ const LogLidar& Log::lidar(const std::string& lidar_name) const {
 }
 
 Log read_log(const fs::path& folder) {
+  if (!is_there(folder / "log.json") && is_there(folder / "scene.json")) {
+    throw_input_error(folder.string(), "log", "a scene", "a log's folder: simuli import --help");
+  }
   const fs::path file = inside(folder, "log.json", folder.string(), "file");
   Log log = read_json_text(
       read_file(file), file.string(), [&](JsonObject& root) { return log_from_json(root, folder); });

@@ -168,12 +168,10 @@ TEST_F(SceneCli, SmallThingsAreTakenOrRefusedInOneLine) {
 }
 
 TEST_F(SceneCli, ALogIsNoSceneAndIsToldSo) {
-  make_street();
-  const Outcome outcome =
-      run("render " + (folder_ / "s.log").string() + " --sensor front -o " + (folder_ / "out").string());
-  EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_NE(outcome.err.find("found a log, allowed a scene's folder: simuli train"), std::string::npos)
-      << outcome.err;
+  make_scene();
+  expect_failure("train s.scene -o x", kInput, "log: found a scene, allowed a log's folder: simuli import");
+  expect_failure(
+      "render s.log -o out", kInput, "s.log: scene: found a log, allowed a scene's folder: simuli train");
 }
 
 TEST_F(SceneCli, WhatIsComparedIsCalledByItsName) {
