@@ -1,10 +1,12 @@
 #include "io/log/mended_labels.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <fmt/format.h>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 namespace simuli {
@@ -19,6 +21,9 @@ constexpr double kLabel_rad = 0.6;  // by which labels of a thing that does not 
 constexpr double kDriving_m_per_s = 1.0;
 constexpr int kLeastDriving = 3;      // labels: by how many more drive one way than the other
 constexpr double kAboveRoof_m = 1.5;  // where the own vehicle has its sensors
+// Roads are lanes of 3.5 m; the longest that 96/53/EC lets on them is 25.25 m. Trams and trains are 2.7 m wide.
+constexpr double kWidestDriving_m = 5.0, kLongestDriving_m = 30.0, kLongestOnRails_m = 400.0;
+constexpr double kDrives_m = 3.0;  // what stands may be a building
 
 /// Of one label.
 class Headings {
@@ -124,6 +129,19 @@ void mend_headings(Actor& actor, std::vector<std::string>& said) {
                                actor.track[k].time_s));
 }
 
+/// Larger than anything that drives.
+bool is_too_large(const Actor& actor) {
+  if (actor.travel_m() < kDrives_m) return false;
+  const auto is_called = [&](std::string_view part) {
+    return std::search(actor.kind.begin(), actor.kind.end(), part.begin(), part.end(), [](char a, char b) {
+             return std::tolower(static_cast<unsigned char>(a)) == b;
+           }) != actor.kind.end();
+  };
+  const auto [width, length] = std::minmax(actor.size_m.x(), actor.size_m.y());
+  return width > kWidestDriving_m ||
+         length > (is_called("tram") || is_called("train") ? kLongestOnRails_m : kLongestDriving_m);
+}
+
 std::vector<Vector3d> sensors_on_rig(const Log& log) {
   std::vector<Vector3d> out;
   for (const LogCamera& camera : log.cameras) out.push_back(camera.rig_from_camera.translation);
@@ -160,6 +178,16 @@ std::vector<std::string> mend_labels(Log& log) {
                       actor.name,
                       own,
                       count));
+      continue;
+    }
+    if (is_too_large(actor)) {
+      said.push_back(
+          fmt::format("label {}: found {:.1f} x {:.1f} m, which drives, allowed at most {} x {} m: left out",
+                      actor.name,
+                      actor.size_m.x(),
+                      actor.size_m.y(),
+                      kLongestDriving_m,
+                      kWidestDriving_m));
       continue;
     }
     if (own > 0)

@@ -14,6 +14,7 @@ namespace simuli {
 ///   thing can is told and left.
 /// - No other thing is where a sensor is, nor right below it: a label that is so at half of its poses and
 ///   more is the own vehicle or of no use and left out, and so are those poses of others.
+/// - What drives and is wider than 5 m or longer than 30 m (tram, train: 400 m) is left out.
 [[nodiscard]] std::vector<std::string> mend_labels(Log& log);
 
 }  // namespace simuli

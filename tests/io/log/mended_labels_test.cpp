@@ -150,6 +150,34 @@ INSTANTIATE_TEST_SUITE_P(
         OwnCase{"UnderABridge", {4.2, 1.8, 1.5}, {0.0, 0.0, 6.0}, 13, 13, ""}),
     [](const auto& of) { return of.param.name; });
 
+TEST(MendedLabels, NothingThatDrivesIsAsLargeAsAHouse) {
+  struct Case {
+    Vector3d size_m;
+    const char* kind;
+    double m_per_s;
+    bool is_kept;
+  };
+  for (const Case& c : {Case{{60.0, 6.0, 4.0}, "car", 5.0, false},
+                        Case{{60.0, 2.5, 4.0}, "Truck", 5.0, false},
+                        Case{{2.5, 60.0, 4.0}, "", 5.0, false},
+                        Case{{12.0, 6.0, 4.0}, "car", 5.0, false},
+                        Case{{25.0, 2.6, 4.0}, "truck", 5.0, true},
+                        Case{{60.0, 2.7, 4.0}, "Tram", 5.0, true},
+                        Case{{60.0, 20.0, 9.0}, "hall", 0.0, true}}) {
+    SCOPED_TRACE(testing::Message() << c.size_m.transpose() << " " << c.kind);
+    Actor actor = thing(c.size_m, 10.0, c.m_per_s);
+    actor.kind = c.kind;
+    for (KeyPose& key : actor.track) key.world_from_actor.translation.y() += 50.0;
+    Log log = log_with(actor);
+    const std::vector<std::string> said = mend_labels(log);
+    EXPECT_EQ(log.actors.size(), c.is_kept ? 1U : 0U);
+    ASSERT_EQ(said.size(), c.is_kept ? 0U : 1U);
+    if (!said.empty()) {
+      EXPECT_NE(said[0].find("m, which drives, allowed at most 30 x 5 m"), std::string::npos) << said[0];
+    }
+  }
+}
+
 TEST(MendedLabels, OfATimeWithoutAPathAreLeft) {
   Actor actor = thing(kCar);
   for (KeyPose& key : actor.track) key.time_s += 100.0;

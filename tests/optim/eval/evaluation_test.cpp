@@ -365,7 +365,7 @@ TEST_F(EvaluationTest, LabelsThatCannotBeAreTold) {
 
 TEST_F(EvaluationTest, LabelsThatTrainingLeftOutAreNotScored) {
   Log log = log_;
-  Actor wide{"wide", "truck", Eigen::Vector3d(12.0, 12.0, 4.0), {}};
+  Actor wide{"wide", "truck", Eigen::Vector3d(12.0, 4.0, 4.0), {}};
   for (const double time_s : {0.0, 1.0}) {
     wide.track.push_back({time_s, {Eigen::Quaterniond::Identity(), {30.0 + 8.0 * time_s, 0.0, 1.0}}});
   }
