@@ -34,8 +34,8 @@ Pose Trajectory::at(double time_s) const {
   if (!(time_s >= start_s() - kExtrapolation_s && time_s <= end_s() + kExtrapolation_s)) {
     throw_input_error("trajectory",
                       "time",
-                      fmt::format("{:.6f} s", time_s),
-                      fmt::format("{:.6f} to {:.6f} s, and {} s beyond either end",
+                      fmt::format("{:.16g} s", time_s),
+                      fmt::format("{:.16g} to {:.16g} s, and {} s beyond either end",
                                   start_s(),
                                   end_s(),
                                   kExtrapolation_s));
