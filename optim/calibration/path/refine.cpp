@@ -93,17 +93,37 @@ std::vector<FreePlane> find_planes(const std::vector<Returns>& sweeps,
   return planes;
 }
 
-/// Asks between iterations whether somebody interrupts; nothing may be thrown through the solver.
-struct AskBetween : ceres::IterationCallback {
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
+/// Asks whether somebody interrupts; nothing may be thrown through the solver.
+class Asking : public ceres::IterationCallback {
+ public:
+  [[nodiscard]] bool goes_on() {
+    if (thrown_) return false;
     try {
       Interruption::ask();
     } catch (...) {
-      thrown = std::current_exception();
+      thrown_ = std::current_exception();
     }
-    return thrown ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+    return !thrown_;
   }
-  std::exception_ptr thrown;
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
+    return goes_on() ? ceres::SOLVER_CONTINUE : ceres::SOLVER_ABORT;
+  }
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  std::exception_ptr thrown_;
+};
+
+/// An iteration takes as long as a person waits; its residuals ask, too.
+struct AskingPointOnPlane : PointOnFreePlane {
+  Asking* asking;
+
+  template <class... Ts>
+  bool operator()(Ts... of) const {
+    return asking->goes_on() && PointOnFreePlane::operator()(of...);
+  }
 };
 
 class JointProblem {
@@ -152,11 +172,10 @@ class JointProblem {
       ordering->AddElementToGroup(block.translation.data(), 1);
     }
     options.linear_solver_ordering.reset(ordering);
-    AskBetween ask;
-    options.callbacks.push_back(&ask);
+    options.callbacks.push_back(&asking_);
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);
-    if (ask.thrown) std::rethrow_exception(ask.thrown);
+    asking_.rethrow();
     if (!summary.IsSolutionUsable()) {
       throw Error(ErrorKind::kNumeric, "joint refinement of the path: " + summary.message);
     }
@@ -181,6 +200,7 @@ class JointProblem {
     ceres::CRSMatrix jacobian;
     double cost = 0.0;
     problem_.Evaluate(what, &cost, &residuals, nullptr, &jacobian);
+    asking_.rethrow();
     std::vector<double> sizes;
     for (const double r : residuals) sizes.push_back(std::abs(r));
     const double sigma = 1.4826 * upper_median(std::move(sizes));
@@ -245,8 +265,9 @@ class JointProblem {
       PoseBlock& start = blocks_[seen.segment];
       PoseBlock& end = blocks_[seen.segment + 1];
       problem_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<PointOnFreePlane, 1, 4, 3, 4, 3, 3>(new PointOnFreePlane{
-              seen.p_rig, seen.u, plane.plane.centre, plane.plane.normal, first, second, kPointSigma_m}),
+          new ceres::AutoDiffCostFunction<AskingPointOnPlane, 1, 4, 3, 4, 3, 3>(new AskingPointOnPlane{
+              {seen.p_rig, seen.u, plane.plane.centre, plane.plane.normal, first, second, kPointSigma_m},
+              &asking_}),
           loss,
           start.rotation.data(),
           start.translation.data(),
@@ -258,6 +279,7 @@ class JointProblem {
 
   std::vector<FreePlane>& planes_;
   std::vector<PoseBlock> blocks_;
+  Asking asking_;
   ceres::Problem problem_;
 };
 
