@@ -1,20 +1,7 @@
 # Installs the build, builds the examples against the installation, runs them; C by pkg-config, too. Of a
 # shared library also: nothing but namespace simuli and the C calls is visible.
 cmake_minimum_required(VERSION 3.23)
-set(prefix ${WORK}/prefix)
-file(REMOVE_RECURSE ${WORK})
-file(MAKE_DIRECTORY ${WORK})
-
-# run(COMMAND...): its stdout in `out`; anything but exit code 0 is an error.
-function(run)
-  execute_process(COMMAND ${ARGN} WORKING_DIRECTORY ${WORK}
-                  RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE err)
-  if(NOT code EQUAL 0)
-    list(JOIN ARGN " " command)
-    message(FATAL_ERROR "${command}\nended with ${code}\n${out}\n${err}")
-  endif()
-  set(out "${out}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix} --component library)
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/program --component program)
@@ -30,46 +17,6 @@ endif()
 run(${CMAKE_COMMAND} -G Ninja -S ${SOURCE}/examples -B build -DCMAKE_PREFIX_PATH=${prefix}
     -DCMAKE_CXX_COMPILER=${CXX} "-DCMAKE_CXX_FLAGS=${flags}" "-DCMAKE_C_FLAGS=${flags} -Wall -Wextra -pedantic")
 run(${CMAKE_COMMAND} --build build)
-
-# Few headers, each whole by itself and clean, with the C++ binding of OpenCL out of reach; C's in C and C++.
-file(GLOB_RECURSE headers RELATIVE ${prefix}/include ${prefix}/include/*)
-list(LENGTH headers count)
-if(count GREATER 16 OR count LESS 10)
-  message(FATAL_ERROR "installed headers: found ${count}, allowed 10 to 16: ${headers}")
-endif()
-foreach(binding IN ITEMS CL/opencl.hpp CL/cl2.hpp CL/cl.hpp)
-  file(WRITE ${WORK}/without/${binding} "#error the C++ binding of OpenCL is not needed\n")
-endforeach()
-string(REPLACE ":" ";-isystem;" eigen "-isystem;${EIGEN}")
-set(strict -fsyntax-only -Wall -Wextra -Wpedantic -Werror -I${prefix}/include -I${WORK}/without ${eigen})
-foreach(header IN LISTS headers)
-  file(WRITE ${WORK}/header.cpp "#include <${header}>\n#include <${header}>\nint main() {}\n")
-  run(${CXX} -std=c++20 ${strict} header.cpp)
-  if(header MATCHES "\\.h$")
-    file(WRITE ${WORK}/header.c "#include <${header}>\nint main(void) { return 0; }\n")
-    run(${CXX} -x c -std=c99 ${strict} header.c)
-  endif()
-  if(NOT header MATCHES "opencl\\.h$")
-    run(${CXX} -std=c++20 ${strict} -M header.cpp)
-    if(out MATCHES "/CL/")
-      message(FATAL_ERROR "${header} reads headers of OpenCL")
-    endif()
-  endif()
-endforeach()
-
-# An older C++ is told what is needed. In another project's tree the target has find_package()'s name.
-execute_process(COMMAND ${CXX} -std=c++17 ${strict} header.cpp WORKING_DIRECTORY ${WORK} RESULT_VARIABLE code ERROR_VARIABLE err)
-if(code EQUAL 0 OR NOT err MATCHES "simuli needs C\\+\\+20")
-  message(FATAL_ERROR "C++17 was not refused: ${err}")
-endif()
-file(WRITE ${WORK}/inside/CMakeLists.txt "cmake_minimum_required(VERSION 3.23)
-project(mine LANGUAGES CXX)
-set(BUILD_TESTING OFF CACHE BOOL \"\" FORCE)
-add_subdirectory(${SOURCE} simuli-build EXCLUDE_FROM_ALL)
-add_executable(mine ${SOURCE}/examples/render.cpp)
-target_link_libraries(mine PRIVATE simuli::simuli)
-")
-run(${CMAKE_COMMAND} -G Ninja -S ${WORK}/inside -B ${WORK}/inside/build -DCMAKE_CXX_COMPILER=${CXX})
 
 run(${PROGRAM} synth street -o street.log --frames 6 --image-width 64 --image-height 36 --lidar-columns 90)
 run(build/train street.log street.scene 10)
