@@ -30,7 +30,7 @@ const PictureCodec* loaded_codec() {
   };
   // Looked for where libraries are: beside whoever calls (its run path), then where the system has them.
   // Never closed: the libraries behind it end with the program.
-  void* const object = ::dlopen(SIMULI_PICTURES, RTLD_NOW | RTLD_LOCAL);
+  void* const object = ::dlopen(SIMULI_PICTURES, RTLD_LAZY | RTLD_LOCAL);
   if (object == nullptr) refuse();
   void* const entry = ::dlsym(object, "simuli_picture_codec_2");
   if (entry == nullptr) refuse();
