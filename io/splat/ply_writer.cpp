@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 #include "io/base/file.hpp"
 #include "io/splat/cloud_columns.hpp"
 #include "io/splat/ply.hpp"
@@ -50,6 +51,7 @@ void write_rows(const std::filesystem::path& file,
       if (chunk.size() < kChunkBytes) continue;
       out.write(chunk.data(), static_cast<std::streamsize>(chunk.size()));
       chunk.clear();
+      Interruption::ask();
     }
     out.write(chunk.data(), static_cast<std::streamsize>(chunk.size()));
     out.close();

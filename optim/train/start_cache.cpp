@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/interruption.hpp"
 #include "host/core/base/version.hpp"
 #include "host/device/runtime/disk_cache.hpp"
 #include "io/base/file.hpp"
@@ -52,6 +53,7 @@ Packed StartCache::key_of(std::string step, const Log& log) {
   Log read = log;
   key(build, step, hash, read);
   const auto add = [&](const std::string& name) {
+    Interruption::ask();
     const auto [file, is_new] = files_.try_emplace(log.folder / name);
     try {
       if (is_new) {
