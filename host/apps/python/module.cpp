@@ -66,7 +66,7 @@ PYBIND11_MODULE(_simuli, m) {
   m.doc() = "Camera and LiDAR simulation with 3D Gaussians on any OpenCL device";
   m.attr("__version__") = simuli::version();
   static const py::object error = py::exception<simuli::Error>(m, "Error", PyExc_RuntimeError);
-  // What a message quotes may be anybody's text, and MemoryError's and others' are C++'s own.
+  // MemoryError's and others' messages are C++'s own.
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       std::rethrow_exception(std::move(thrown));
