@@ -1,6 +1,5 @@
 #include "io/base/file.hpp"
 
-#include <cctype>
 #include <cerrno>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -9,6 +8,7 @@
 #include <unistd.h>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/split.hpp"
 #include "io/base/ending.hpp"
 #include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
@@ -32,11 +32,7 @@ bool is_there(const fs::path& path) {
   return fs::exists(fs::symlink_status(path, failed));
 }
 
-std::string ending_of(const fs::path& file) {
-  std::string ending = file.extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return ending;
-}
+std::string ending_of(const fs::path& file) { return lower(file.extension().string()); }
 
 void need_regular_file(const fs::path& file) {
   struct stat info {};

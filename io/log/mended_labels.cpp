@@ -1,13 +1,13 @@
 #include "io/log/mended_labels.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <fmt/format.h>
 #include <numbers>
-#include <string_view>
 #include <utility>
+
+#include "host/core/base/split.hpp"
 
 namespace simuli {
 namespace {
@@ -132,14 +132,10 @@ void mend_headings(Actor& actor, std::vector<std::string>& said) {
 /// Larger than anything that drives.
 bool is_too_large(const Actor& actor) {
   if (actor.travel_m() < kDrives_m) return false;
-  const auto is_called = [&](std::string_view part) {
-    return std::search(actor.kind.begin(), actor.kind.end(), part.begin(), part.end(), [](char a, char b) {
-             return std::tolower(static_cast<unsigned char>(a)) == b;
-           }) != actor.kind.end();
-  };
-  const auto [width, length] = std::minmax(actor.size_m.x(), actor.size_m.y());
-  return width > kWidestDriving_m ||
-         length > (is_called("tram") || is_called("train") ? kLongestOnRails_m : kLongestDriving_m);
+  const std::string kind = lower(actor.kind);
+  const bool is_on_rails = kind.find("tram") != std::string::npos || kind.find("train") != std::string::npos;
+  const auto [width, length] = std::minmax({actor.size_m.x(), actor.size_m.y()});
+  return width > kWidestDriving_m || length > (is_on_rails ? kLongestOnRails_m : kLongestDriving_m);
 }
 
 std::vector<Vector3d> sensors_on_rig(const Log& log) {

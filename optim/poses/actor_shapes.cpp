@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "host/core/base/split.hpp"
+
 namespace simuli {
 namespace {
 
@@ -32,14 +34,6 @@ constexpr std::array<std::string_view, 8> kNonRigid{
 constexpr std::array<std::string_view, 4> kUntold{"", "moving", "unknown", "object"};
 /// m: the largest and the least of a person or a rider.
 constexpr double kLongest = 2.2, kWidest = 1.2, kLeastHeight = 0.9, kHighest = 2.2;
-
-std::string lower(const std::string& text) {
-  std::string out = text;
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  return out;
-}
 
 }  // namespace
 

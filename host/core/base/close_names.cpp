@@ -5,6 +5,8 @@
 #include <fmt/ranges.h>
 #include <utility>
 
+#include "host/core/base/split.hpp"
+
 namespace simuli {
 namespace {
 
@@ -25,13 +27,6 @@ std::size_t edits(const std::string& a, const std::string& b) {
     std::swap(previous, current);
   }
   return previous[b.size()];
-}
-
-std::string lower(std::string text) {
-  for (char& letter : text) {
-    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-  }
-  return text;
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace simuli {
@@ -15,6 +16,15 @@ namespace simuli {
     }
   }
   return parts;
+}
+
+/// With small letters for those of ASCII, in any locale.
+[[nodiscard]] inline std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& letter : out) {
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  }
+  return out;
 }
 
 }  // namespace simuli

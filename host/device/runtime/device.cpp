@@ -13,6 +13,7 @@
 #include <unistd.h>
 #include <utility>
 
+#include "host/core/base/split.hpp"
 #include "host/device/runtime/cl_error.hpp"
 #include "host/device/runtime/device_state.hpp"
 #include "host/device/runtime/disk_cache.hpp"
@@ -34,14 +35,6 @@ std::string trimmed(std::string text) {
   while (!text.empty() && is_filler(text.back())) text.pop_back();
   text.erase(text.begin(), std::find_if_not(text.begin(), text.end(), is_filler));
   return text;
-}
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](char c) {
-    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  });
-  return out;
 }
 
 bool has_word(const std::string& words, std::string_view word) {
