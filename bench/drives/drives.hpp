@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/drives/drive_log.hpp"
+#include "bench/paper/drive_log.hpp"
 #include "bench/drives/drive_rows.hpp"
 #include "bench/paper/fit.hpp"
 

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "bench/paper/drive_log.hpp"
+#include "host/core/base/fields.hpp"
 #include "io/synth/street.hpp"
 
 namespace simuli::bench {
@@ -26,7 +28,7 @@ Trajectory turning(const Trajectory& world_from_rig, double turn_rad_per_s) {
   return Trajectory(std::move(poses));
 }
 
-Log record(const Figure11Options& options, const fs::path& folder) {
+Drive record(const Figure11Options& options, const fs::path& folder) {
   StreetOptions street;
   street.output = folder;
   street.frames = options.frames;
@@ -36,7 +38,7 @@ Log record(const Figure11Options& options, const fs::path& folder) {
   Log log = street_log(street);
   log.world_from_rig = turning(log.world_from_rig, options.turn_deg_per_s * std::numbers::pi / 180.0);
   write_frames(log, Street({.seed = street.seed, .car = std::nullopt}));
-  return log;
+  return {"street", std::move(log), {"image_scale=1"}};
 }
 
 template <class Frame>
@@ -64,15 +66,13 @@ std::vector<Row> run_figure11(const std::string& device_request,
   const Device device = Device::best(device_request);
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
   const ScratchFolder scratch("simuli_bench");
-  const Log log = record(options, scratch.path());
-  note(fmt::format("recorded {} frames at {} m/s and {} degrees/s",
-                   options.frames,
-                   options.speed_m_per_s,
-                   options.turn_deg_per_s));
+  const Drive drive =
+      options.log.empty() ? record(options, scratch.path()) : open_drive(options.log, scratch.path());
+  const Log& log = drive.log;
   TrainingOptions training;
-  training.frames.image_scale = 1.0;
   training.train.iterations = options.iterations;
   training.train.render = paper_options();
+  fields_of(training).apply(drive.settings, "settings");
   std::vector<Row> rows;
   const auto add = [&](const char* sensor, double modelled, double ignored, double rendered, double gained) {
     const char* unit = std::string(sensor) == "camera" ? "dB" : "cm";

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "bench/paper/drive_log.hpp"
 #include "bench/paper/unified.hpp"
+#include "host/core/base/fields.hpp"
 #include "io/synth/street.hpp"
 #include "optim/init/initialize.hpp"
 
@@ -14,15 +16,15 @@ constexpr int kEnvironmentWidth = 256;  // texels: 1.4 degrees
 
 class Table {
  public:
-  Table(const Device& device, const Log& log, const Table5Options& options, Note note)
-      : device_(device), log_(log), note_(std::move(note)) {
-    training_.frames.image_scale = options.log.empty() ? 1.0 : 0.5;
+  Table(const Device& device, const Drive& drive, const Table5Options& options, Note note)
+      : device_(device), log_(drive.log), note_(std::move(note)) {
     if (options.log.empty()) training_.init.voxel_m = 0.2;
     training_.init.environment_width = kEnvironmentWidth;
     training_.train.iterations = options.iterations;
     training_.train.render = paper_options();
     training_.train.look.color_grids = ColorGridsOf::kPictures;
     training_.train.anchor = kPaperAnchors;
+    fields_of(training_).apply(drive.settings, "settings");
   }
 
   void add_unified(double distance_weight) {
@@ -78,16 +80,12 @@ std::vector<Row> run_table5(const std::string& device_request,
   const Device device = Device::best(device_request);
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
   const ScratchFolder scratch("simuli_bench");
-  Log log;
-  if (options.log.empty()) {
-    StreetOptions street;
-    street.output = scratch.path() / "street.log";
-    street.moving_car = false;  // the scene is static
-    log = synth_street(street);
-  } else {
-    log = read_log(options.log);
-  }
-  Table table(device, log, options, note);
+  StreetOptions street;
+  street.output = scratch.path() / "street.log";
+  street.moving_car = false;  // the scene is static
+  const Drive drive = options.log.empty() ? Drive{"street", synth_street(street), {"image_scale=1"}}
+                                          : open_drive(options.log, scratch.path());
+  Table table(device, drive, options, note);
   for (const double weight : {0.0, 0.001, 0.01, 0.1}) table.add_unified(weight);
   TrainingOptions without_grid = table.options();
   without_grid.train.look.color_grids = ColorGridsOf::kNone;

@@ -8,7 +8,7 @@
 namespace simuli::bench {
 
 struct Table5Options {
-  std::string log;       // folder of a log; empty: the embedded street
+  std::string log;       // as open_drive() takes it; empty: the embedded street
   int iterations = 400;  // of each training
 };
 

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "bench/paper/clipped.hpp"
+#include "bench/paper/drive_log.hpp"
+#include "host/core/base/fields.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/sweep_pair.hpp"
@@ -35,12 +37,12 @@ RenderOptions render_with(const Named& column) {
   return options;
 }
 
-std::vector<std::size_t> held_out_sweeps(const Log& log) {
-  return HeldOutRule(log, FrameSelection{}).held_out(log.sweeps);
-}
-
 /// Share of the light that held-out sweeps gather of the scene with exact extents and not with these, in %.
-double clipped_percent(const Device& device, const Log& log, const Scene& scene, const Named& column) {
+double clipped_percent(const Device& device,
+                       const Log& log,
+                       const std::vector<std::size_t>& held_out,
+                       const Scene& scene,
+                       const Named& column) {
   SceneOnDevice exact(device, borrowed(scene), render_with(kExact));
   SceneOnDevice other(device, borrowed(scene), render_with(column));
   double whole = 0.0, found = 0.0;
@@ -50,7 +52,7 @@ double clipped_percent(const Device& device, const Log& log, const Scene& scene,
     for (const float left : pair.simulated.transmittance) sum += 1.0 - static_cast<double>(left);
     return sum;
   };
-  for (const std::size_t index : held_out_sweeps(log)) {
+  for (const std::size_t index : held_out) {
     whole += gathered(exact, log.sweeps[index]);
     found += gathered(other, log.sweeps[index]);
   }
@@ -58,12 +60,15 @@ double clipped_percent(const Device& device, const Log& log, const Scene& scene,
 }
 
 /// Device time of the projection of held-out sweeps.
-Spread projection_ms(const Device& profiled, const Log& log, const Scene& scene, const Named& column) {
-  const std::vector<std::size_t> frames = held_out_sweeps(log);
+Spread projection_ms(const Device& profiled,
+                     const Log& log,
+                     const std::vector<std::size_t>& held_out,
+                     const Scene& scene,
+                     const Named& column) {
   SceneOnDevice on_device(profiled, borrowed(scene), render_with(column));
   std::vector<double> samples;
   for (int i = -1; i < kTimedSweeps; ++i) {
-    const SweepFrame& frame = log.sweeps[frames[static_cast<std::size_t>(i + 1) % frames.size()]];
+    const SweepFrame& frame = log.sweeps[held_out[static_cast<std::size_t>(i + 1) % held_out.size()]];
     profiled.profile().reset();
     static_cast<void>(render_sweep(on_device, log, frame));
     double ms = 0.0;
@@ -98,11 +103,18 @@ Row middle(const std::string& name, const std::vector<double>& values, const cha
 /// The table of one size of particles: trained with each projection, and with one for all.
 class Table {
  public:
-  Table(const Device& device, const Device& profiled, const Log& log, const Table8Options& options, Note note)
-      : device_(device), profiled_(profiled), log_(log), options_(options), note_(std::move(note)) {}
+  Table(const Device& device,
+        const Device& profiled,
+        const Drive& drive,
+        const Table8Options& options,
+        Note note)
+      : device_(device), profiled_(profiled), log_(drive.log), options_(options), note_(std::move(note)) {
+    fields_of(training_).apply(drive.settings, "settings");
+    held_out_ = HeldOutRule(log_, training_.frames).held_out(log_.sweeps);
+  }
 
   void run(const std::string& name, double voxel_m, std::vector<Row>& rows) {
-    TrainingOptions training;
+    TrainingOptions training = training_;
     training.init.voxel_m = voxel_m;
     training.init.max_scale_m = std::max(training.init.max_scale_m, voxel_m);
     training.init.max_shell = 0;
@@ -140,8 +152,8 @@ class Table {
   }
 
   void add_costs(const std::string& base, const Scene& scene, const Named& column, std::vector<Row>& rows) {
-    rows.push_back({base + "/clipped", clipped_percent(device_, log_, scene, column), "%", 0.0});
-    const Spread ms = projection_ms(profiled_, log_, scene, column);
+    rows.push_back({base + "/clipped", clipped_percent(device_, log_, held_out_, scene, column), "%", 0.0});
+    const Spread ms = projection_ms(profiled_, log_, held_out_, scene, column);
     rows.push_back({base + "/projection_ms", ms.median, "ms", ms.half_iqr});
   }
 
@@ -170,6 +182,8 @@ class Table {
   const Log& log_;
   Table8Options options_;
   Note note_;
+  TrainingOptions training_;
+  std::vector<std::size_t> held_out_;  // sweeps
 };
 
 }  // namespace
@@ -182,22 +196,19 @@ std::vector<Row> run_table8(const std::string& device_request,
   const Device profiled = Device::best(device_request, {.profiling = true});
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
   const ScratchFolder scratch("simuli_bench");
-  Log log;
-  if (options.log.empty()) {
-    StreetOptions street;
-    street.output = scratch.path() / "street.log";
-    street.image_width = street.image_height = 8;  // no picture is looked at
-    street.moving_car = false;                     // the scene is static
-    log = synth_street(street);
-  } else {
-    log = read_log(options.log);
-  }
-  log.images.clear();
+  StreetOptions street;
+  street.output = scratch.path() / "street.log";
+  street.image_width = street.image_height = 8;  // no picture is looked at
+  street.moving_car = false;                     // the scene is static
+  Drive drive =
+      options.log.empty() ? Drive{"street", synth_street(street)} : open_drive(options.log, scratch.path());
+  drive.log.images.clear();
   std::vector<Row> rows;
-  Table table(device, profiled, log, options, note);
+  Table table(device, profiled, drive, options, note);
   table.run("table8", options.voxel_m, rows);
   table.run("table8_coarse", options.coarse_voxel_m, rows);
-  if (!log.lidars.empty()) add_clipped(device, log.lidars.front().with_rows(), note, rows);
+  const std::vector<LogLidar>& lidars = drive.log.lidars;
+  if (!lidars.empty()) add_clipped(device, lidars.front().with_rows(), note, rows);
   return rows;
 }
 

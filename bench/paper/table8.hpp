@@ -8,7 +8,7 @@
 namespace simuli::bench {
 
 struct Table8Options {
-  std::string log;       // folder of a log with sweeps; empty: the embedded street
+  std::string log;       // with sweeps, as open_drive() takes it; empty: the embedded street
   int iterations = 120;  // of each training, one sweep each
   double voxel_m = 0.2;  // one particle per voxel
   double coarse_voxel_m = 1.0;

@@ -57,7 +57,7 @@ struct BenchCommand {
   int table = 0;                      // 0: none
   int figure = 0;                     // 0: none
   std::string agreement;              // file of another implementation; empty: none
-  std::string log;                    // of tables; empty: the embedded street
+  std::string log;                    // of tables and figures; empty: the embedded street
   int iterations = 0;                 // 0: each bench's own number
   StagesOptions stage_options;
   LongStreetOptions long_street;
@@ -140,8 +140,8 @@ void measure(BenchCommand command, const Globals& globals) {
                             "--long-street, --table 5|7|8, --figure 10|11",
                             count));
   }
-  if (!command.log.empty() && command.table != 5 && command.table != 8) {
-    throw Error(ErrorKind::kUsage, "bench: --log: found without --table 5|8, allowed with it");
+  if (!command.log.empty() && command.table != 5 && command.table != 8 && command.figure != 11) {
+    throw Error(ErrorKind::kUsage, "bench: --log: found without --table 5|8, --figure 11, allowed with one");
   }
   if (command.shift_options.detailed && !command.shift) {
     throw Error(ErrorKind::kUsage, "bench: --detailed: found without --shift, allowed with it");
@@ -151,7 +151,7 @@ void measure(BenchCommand command, const Globals& globals) {
     throw Error(ErrorKind::kUsage,
                 "bench: --lengths, --time-to, --keep: found without --drive, allowed with it");
   }
-  command.table5.log = command.table8.log = command.log;
+  command.table5.log = command.table8.log = command.figure11.log = command.log;
   if (command.iterations > 0) {
     if (command.table != 5 && command.table != 8 && command.figure == 0 && !command.actors &&
         !command.shift) {
@@ -242,7 +242,8 @@ void add_bench(const Command& command, const Globals& globals) {
               options->figure,
               "10: thin poles and the footprint filter; 11: motion during a frame, modelled and ignored")
       .one_of({10, 11});
-  command.option("--log", options->log, "tables 5 and 8: a log folder instead of the embedded street");
+  command.option(
+      "--log", options->log, "tables 5 and 8, figure 11: a drive, as --drive has it, instead of the street");
   command.option("--iterations", options->iterations, "of each training of a table or figure")
       .range(1, 1'000'000);
   const Option particles =

@@ -58,7 +58,7 @@ TEST_F(DrivesTest, WhatIsNoDriveIsRefusedByName) {
   };
   refused(folder_.string(), "found neither log.json nor velodyne_points, allowed street, a log folder");
   refused((folder_ / "small.log,labels=x").string(), "found a log, allowed");
-  refused("x,pose=y", "--drive x: found pose=y, allowed poses=FILE, labels=FILE");
+  refused("x,pose=y", "drive x: found pose=y, allowed poses=FILE, labels=FILE");
   refused("x,poses=", "found poses=, allowed");
   refused("x,iterations=-1", "iterations");
 }

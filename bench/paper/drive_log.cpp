@@ -1,4 +1,4 @@
-#include "bench/drives/drive_log.hpp"
+#include "bench/paper/drive_log.hpp"
 
 #include <fmt/format.h>
 
@@ -30,7 +30,7 @@ DriveText parts_of(const std::string& text) {
     const auto refuse = [&](const std::string& why) {
       throw Error(
           ErrorKind::kUsage,
-          fmt::format("--drive {}: found {}, allowed poses=FILE, labels=FILE, a setting's KEY=VALUE{}",
+          fmt::format("drive {}: found {}, allowed poses=FILE, labels=FILE, a setting's KEY=VALUE{}",
                       parts.folder.string(),
                       part,
                       why));
@@ -92,7 +92,7 @@ Drive open_drive(const std::string& text, const fs::path& scratch) {
   }
   throw Error(
       ErrorKind::kUsage,
-      fmt::format("--drive {}: found {}, allowed street, a log folder, or a drive of KITTI raw with its "
+      fmt::format("drive {}: found {}, allowed street, a log folder, or a drive of KITTI raw with its "
                   "velodyne_points, which alone takes poses and labels",
                   text,
                   is_log ? "a log" : "neither log.json nor velodyne_points"));
