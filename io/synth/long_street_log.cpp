@@ -23,11 +23,12 @@ constexpr double kFastest_m_per_s = 50.0;
 double speed_of(const LongStreetOptions& o) { return o.length_m / (kStreetFramePeriod_s * o.frames); }
 
 void check_long_options(const LongStreetOptions& o) {
-  check_street(o.length_m >= 10.0 && o.length_m <= 1e5, "length_m", o.length_m, "10 to 100000");
-  check_street(o.frames >= 1 && o.frames <= 1'000'000, "frames", o.frames, "1 to 1000000");
-  check_street(speed_of(o) <= kFastest_m_per_s, "length_m / (frames / 10 s), m/s", speed_of(o), "at most 50");
-  check_street(o.cameras >= 1 && o.cameras <= 4, "cameras", o.cameras, "1 to 4");
-  check_street(o.lidars >= 1 && o.lidars <= 3, "lidars", o.lidars, "1 to 3");
+  check_street(o.length_m >= 10.0 && o.length_m <= 1e5, "--length", o.length_m, "10 to 100000");
+  check_street(o.frames >= 1 && o.frames <= 1'000'000, "--frames", o.frames, "1 to 1000000");
+  check_street(
+      speed_of(o) <= kFastest_m_per_s, "--length / (--frames / 10 s), m/s", speed_of(o), "at most 50");
+  check_street(o.cameras >= 1 && o.cameras <= 4, "--cameras", o.cameras, "1 to 4");
+  check_street(o.lidars >= 1 && o.lidars <= 3, "--lidars", o.lidars, "1 to 3");
   check_street_rig(o);
 }
 

@@ -24,13 +24,11 @@ constexpr double kSeeFar_m = 2e4;
 constexpr double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 void check_options(const StreetOptions& o) {
-  check_street(o.frames >= 1 && o.frames <= 10000, "frames", o.frames, "1 to 10000");
-  check_street(
-      o.speed_m_per_s >= 0.0 && o.speed_m_per_s <= 50.0, "speed_m_per_s", o.speed_m_per_s, "0 to 50");
+  check_street(o.frames >= 1 && o.frames <= 10000, "--frames", o.frames, "1 to 10000");
+  check_street(o.speed_m_per_s >= 0.0 && o.speed_m_per_s <= 50.0, "--speed", o.speed_m_per_s, "0 to 50");
   check_street_rig(o);
   const double driven_m = o.speed_m_per_s * kStreetFramePeriod_s * o.frames;
-  check_street(
-      driven_m <= Street::kLength_m, "frames * speed_m_per_s / 10", driven_m, "at most 260 m of street");
+  check_street(driven_m <= Street::kLength_m, "--frames * --speed / 10", driven_m, "at most 260 m of street");
 }
 
 Trajectory drive(const StreetOptions& o) {

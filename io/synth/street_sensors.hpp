@@ -23,20 +23,20 @@ inline constexpr double kStreetLargestShift_m = 4.0;  // walls stand further fro
 /// on its springs.
 [[nodiscard]] Pose street_sway(double driven_m);
 
-/// Throws Error(kInput) unless `good`.
+/// Throws Error{kUsage} unless `good`; `option` as `simuli synth street` names it, which alone gives them.
 template <class Value>
-void check_street(bool good, const char* field, const Value& found, const char* allowed) {
-  if (!good) throw_input_error("street options", field, fmt::format("{}", found), allowed);
+void check_street(bool good, const char* option, const Value& found, const char* allowed) {
+  if (!good) throw Error(ErrorKind::kUsage, fmt::format("{}: found {}, allowed {}", option, found, allowed));
 }
 
 /// What the options of both streets have in common.
 template <class Options>
 void check_street_rig(const Options& o) {
-  check_street(std::abs(o.lane_shift_m) <= kStreetLargestShift_m, "lane_shift_m", o.lane_shift_m, "-4 to 4");
-  check_street(o.image_width >= 8 && o.image_width <= 8192, "image_width", o.image_width, "8 to 8192");
-  check_street(o.image_height >= 8 && o.image_height <= 8192, "image_height", o.image_height, "8 to 8192");
+  check_street(std::abs(o.lane_shift_m) <= kStreetLargestShift_m, "--lane-shift", o.lane_shift_m, "-4 to 4");
+  check_street(o.image_width >= 8 && o.image_width <= 8192, "--image-width", o.image_width, "8 to 8192");
+  check_street(o.image_height >= 8 && o.image_height <= 8192, "--image-height", o.image_height, "8 to 8192");
   check_street(
-      o.lidar_columns >= 8 && o.lidar_columns <= 16384, "lidar_columns", o.lidar_columns, "8 to 16384");
+      o.lidar_columns >= 8 && o.lidar_columns <= 16384, "--lidar-columns", o.lidar_columns, "8 to 16384");
   check_street(o.threads >= 0 && o.threads <= 1024, "threads", o.threads, "0 to 1024");
 }
 

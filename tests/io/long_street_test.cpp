@@ -8,6 +8,7 @@
 
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
+#include "tests/host/expect_error.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {
@@ -204,15 +205,15 @@ TEST(LongStreet, OptionsOutOfRangeAreRefused) {
   const auto refused = [](const auto& change, const std::string& part) {
     LongStreetOptions options = small_options("unused");
     change(options);
-    test::expect_input_error([&] { static_cast<void>(long_street_log(options)); }, {part});
+    expect_error(ErrorKind::kUsage, part, [&] { static_cast<void>(long_street_log(options)); });
   };
-  refused([](auto& o) { o.length_m = 5.0; }, "length_m");
-  refused([](auto& o) { o.length_m = std::nan(""); }, "length_m");
+  refused([](auto& o) { o.length_m = 5.0; }, "--length: found ");
+  refused([](auto& o) { o.length_m = std::nan(""); }, "--length: found ");
   refused([](auto& o) { o.length_m = 600.0; }, "at most 50");
-  refused([](auto& o) { o.frames = 0; }, "frames");
-  refused([](auto& o) { o.cameras = 5; }, "cameras");
-  refused([](auto& o) { o.cameras = 0; }, "cameras");
-  refused([](auto& o) { o.lidars = 4; }, "lidars");
+  refused([](auto& o) { o.frames = 0; }, "--frames: found 0, allowed 1 to 1000000");
+  refused([](auto& o) { o.cameras = 5; }, "--cameras");
+  refused([](auto& o) { o.cameras = 0; }, "--cameras");
+  refused([](auto& o) { o.lidars = 4; }, "--lidars");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "host/core/base/error.hpp"
+#include "tests/host/expect_error.hpp"
 #include "tests/io/scratch.hpp"
 #include "tests/support/street_rays.hpp"
 
@@ -376,13 +377,13 @@ TEST(Street, OptionsOutsideTheirRangeAreRefused) {
   const auto refused = [](const char* field, const auto& change) {
     StreetOptions options = small_options("unused");
     change(options);
-    test::expect_input_error([&] { (void)street_log(options); }, {field, "found", "allowed"});
+    expect_error(ErrorKind::kUsage, field, [&] { (void)street_log(options); });
   };
-  refused("frames", [](StreetOptions& o) { o.frames = 0; });
-  refused("speed_m_per_s", [](StreetOptions& o) { o.speed_m_per_s = std::nan(""); });
-  refused("image_width", [](StreetOptions& o) { o.image_width = 1 << 30; });
-  refused("image_height", [](StreetOptions& o) { o.image_height = -1; });
-  refused("lidar_columns", [](StreetOptions& o) { o.lidar_columns = 0; });
+  refused("--frames: found 0, allowed 1 to 10000", [](StreetOptions& o) { o.frames = 0; });
+  refused("--speed: found", [](StreetOptions& o) { o.speed_m_per_s = std::nan(""); });
+  refused("--image-width", [](StreetOptions& o) { o.image_width = 1 << 30; });
+  refused("--image-height", [](StreetOptions& o) { o.image_height = -1; });
+  refused("--lidar-columns", [](StreetOptions& o) { o.lidar_columns = 0; });
   refused("260 m", [](StreetOptions& o) { o.frames = 1000; });
 }
 
