@@ -9,7 +9,6 @@
 
 #include "host/core/base/close_names.hpp"
 #include "host/core/base/error.hpp"
-#include "host/core/base/names.hpp"
 #include "host/core/base/spread.hpp"
 #include "io/log/sensor_file.hpp"
 
@@ -126,7 +125,6 @@ std::vector<FrameSpan> SensorRig::frames(const std::string& name, const Sensor& 
 }
 
 void SensorRig::add(const Sensor& sensor) {
-  need_name(sensor.name(), "sensor", "name");
   if (has(sensor.name())) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("sensor: found \"{}\", which there is already", sensor.name()));

@@ -75,5 +75,17 @@ TEST(Sensor, RefusesWhatNoSensorHas) {
   expect_error(ErrorKind::kInput, "duration", [&] { (void)picture.with_duration(-1.0); });
 }
 
+TEST(Sensor, RefusesWhatIsNoName) {
+  const Sensor fine(test::small_camera(8, 6));
+  Camera camera = test::small_camera(8, 6);
+  Lidar lidar = test::small_lidar(2, 10);
+  for (const char* const name : {"", "../x", "a\nb", ".hidden"}) {
+    camera.name = lidar.name = name;
+    expect_error(ErrorKind::kInput, "sensor: name: found \"", [&] { (void)Sensor(camera); });
+    expect_error(ErrorKind::kInput, "sensor: name: found \"", [&] { (void)Sensor(lidar); });
+    expect_error(ErrorKind::kInput, "allowed a name: 1 to 128 bytes", [&] { (void)fine.named(name); });
+  }
+}
+
 }  // namespace
 }  // namespace simuli

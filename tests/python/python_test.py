@@ -362,6 +362,9 @@ for text in ("a\nb", "\x1b[2J", "\u202egpj", "a\r\0"):
             assert "\0" in text
         else:
             raise AssertionError(text)
+for call in (lambda: simuli.camera("../x", 1, 1, 1, 1, 1, 1), lambda: simuli.lidar("a\nb", [0.0], 4),
+             lambda: camera.named("../y")):
+    refused(call, "sensor: name: found")
 # Sensors and edits are values: they are equal, have a text, and edits go to other processes.
 same = simuli.camera("own", 32, 18, 20.0, 20.0, 16.0, 9.0)
 assert same == simuli.camera("own", 32, 18, 20.0, 20.0, 16.0, 9.0) and len({same, same.named("own")}) == 1

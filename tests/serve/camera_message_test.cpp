@@ -206,6 +206,8 @@ TEST_F(ServedCameras, AreScaledOnEachAxisByItself) {
   EXPECT_NEAR(told.ftheta_param().linear_cde().linear_c(), 0.5 / 0.75, 1e-12);
   EXPECT_LT((pixel_of(camera_of(told), direction(0.3, 0.6)) - pixel_of(scaled, direction(0.3, 0.6))).norm(),
             1e-9);
+  told.set_logical_id("");  // which a request need not have, but a Sensor
+  EXPECT_NO_THROW((void)Sensor(camera_of(told)));
   for (const auto& [width, height] : {std::pair{0U, 270U}, {320U, 0U}, {100000U, 100000U}, {5000U, 5000U}}) {
     request.set_resolution_w(width);
     request.set_resolution_h(height);

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/names.hpp"
 #include "host/core/scene/splitmix.hpp"
 
 namespace simuli {
@@ -65,8 +66,10 @@ void add(Hash& hash, const RayList& l) {
   hash.add_all(l.time_fraction);
 }
 
-std::shared_ptr<const std::string> kept(std::string text) {
-  return std::make_shared<const std::string>(std::move(text));
+/// Whoever names a sensor: files and messages are named after it.
+std::shared_ptr<const std::string> kept(std::string name) {
+  need_name(name, "sensor", "name");
+  return std::make_shared<const std::string>(std::move(name));
 }
 
 }  // namespace

@@ -16,9 +16,9 @@ namespace simuli {
 class Sensor {
  public:
   /// duration_s: of a rolling shutter's read-out; 0: an instant. Error{kInput} for a camera that validate()
-  /// refuses, or a duration that is negative or not finite.
+  /// or need_name() refuses, or a duration that is negative or not finite.
   explicit Sensor(Camera camera, const Pose& rig_from_sensor = {}, double duration_s = 0.0);
-  /// A frame takes what the model says (sweep_s). Error{kInput} for a LiDAR that validate() refuses.
+  /// A frame takes what the model says (sweep_s). Error{kInput} for a LiDAR that validate() or need_name() refuses.
   explicit Sensor(LidarModel lidar, const Pose& rig_from_sensor = {});
 
   /// The model's, unless named() says otherwise. Lives as long as any copy.
@@ -38,7 +38,7 @@ class Sensor {
   /// The rays of a LiDAR's frame: as its model has them, or as measured. Error{kUsage} of a camera.
   [[nodiscard]] const LidarRays& rays() const;
 
-  [[nodiscard]] Sensor named(std::string name) const;
+  [[nodiscard]] Sensor named(std::string name) const;  // Error{kInput} for what is no name
   [[nodiscard]] Sensor mounted(const Pose& rig_from_sensor) const;
   /// Of a LiDAR, whose beams then fire at other shares of the turn: Error{kInput} for 0.
   [[nodiscard]] Sensor with_duration(double duration_s) const;

@@ -245,6 +245,7 @@ Camera camera_of(const proto::CameraSpec& spec) {
     camera.lens = camera.lens.behind(windshield_of(spec.bivariate_windshield_model_param()), kWhere);
   }
   validate(camera, kWhere);
+  if (camera.name.empty()) camera.name = "asked";  // a Sensor has a name, a request need not
   return camera;
 }
 
