@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "host/apps/cli/base/crash.hpp"
+#include "host/apps/cli/base/edits.hpp"
 #include "host/core/base/error.hpp"
+#include "tests/host/expect_error.hpp"
 
 namespace simuli::cli {
 namespace {
@@ -164,6 +166,12 @@ TEST_F(CommandTest, RefusalsNameTheOptionAndWhatIsAllowed) {
   EXPECT_EQ(refusal({"draw", "f", "--size", "-1"}),
             "--size: found -1, allowed a whole number from 0 on (program draw --help)");
   EXPECT_EQ(refusal({}), "found no command, allowed draw, far (program --help)");
+  EXPECT_EQ(refusal({"draw", "f", "--size", "18446744073709551616"}),
+            "--size: found 18446744073709551616, allowed 0 to 18446744073709551615 (program draw --help)");
+  EXPECT_EQ(
+      refusal({"draw", "f", "--stamp", "99999999999999999999"}),
+      "--stamp: found 99999999999999999999, allowed -9223372036854775808 to 9223372036854775807 (program "
+      "draw --help)");
   EXPECT_EQ(runs_, 0);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <iostream>
 
 #include "host/apps/cli/base/numbers.hpp"
@@ -22,10 +23,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// `text` parted at ':' into `least` to `most` parts that say something.
-std::vector<std::string> parts_of(
-    const char* option, const std::string& text, std::size_t least, std::size_t most, const char* allowed) {
+/// `text` parted at ':' into `least` to `most` parts that say something. A name may hold ':', too: the first part
+/// is the longest that one of `actors` has, or what `most` parts leave over.
+std::vector<std::string> parts_of(const char* option,
+                                  const std::string& text,
+                                  std::size_t least,
+                                  std::size_t most,
+                                  const char* allowed,
+                                  const std::vector<Actor>& actors = {}) {
   std::vector<std::string> parts = split(text, ':');
+  const auto begin_of = [&](std::size_t n) {
+    return fmt::format("{}", fmt::join(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(n), ":"));
+  };
+  std::size_t in_first = parts.size() > most ? parts.size() - most + 1 : 1;
+  for (std::size_t n = in_first + 1; n < parts.size(); ++n) {
+    if (has_actor(actors, begin_of(n))) in_first = n;
+  }
+  parts[in_first - 1] = begin_of(in_first);
+  parts.erase(parts.begin(), parts.begin() + static_cast<std::ptrdiff_t>(in_first - 1));
   for (const std::string& part : parts) {
     if (part.empty()) refuse(option, text, allowed);
   }
@@ -152,7 +167,7 @@ void apply(const Edits& edits, SceneFile& file) {
     resize_actor(scene, parts[0], number("--resize", parts[1], kAllowed));
   }
   for (const std::string& edit : edits.track) {
-    const auto parts = parts_of("--track", edit, 2, 3, "ACTOR:LOG or ACTOR:LOG:ACTOR");
+    const auto parts = parts_of("--track", edit, 2, 3, "ACTOR:LOG or ACTOR:LOG:ACTOR", scene.actors);
     const bool is_scene = is_there(std::filesystem::path(parts[1]) / "scene.json");
     const std::vector<Actor> actors =
         is_scene ? read_scene(parts[1]).scene.actors : read_log(parts[1]).actors;
@@ -161,7 +176,7 @@ void apply(const Edits& edits, SceneFile& file) {
   }
   for (const std::string& edit : edits.retime) {
     constexpr const char* kAllowed = "ACTOR:RATE or ACTOR:RATE:DELAY_S, finite numbers";
-    const auto parts = parts_of("--retime", edit, 2, 3, kAllowed);
+    const auto parts = parts_of("--retime", edit, 2, 3, kAllowed, scene.actors);
     const double delay_s = parts.size() > 2 ? number("--retime", parts[2], kAllowed) : 0.0;
     retime_actor(scene, parts[0], number("--retime", parts[1], kAllowed), delay_s);
   }
