@@ -19,6 +19,13 @@ TEST_F(Cli, UsageErrorsAreOneLineAndExitWith2) {
   expect_failure("synth street -o x.log --frames many", kUsage, "--frames");
   expect_failure("info generic64 row", kUsage, "generic64 is a sensor");
   expect_failure("render s.scene --sensor front -o x.mp4 --fps 1e300", kUsage, "--fps");
+  expect_failure("render s.scene -o x --fps 25", kUsage, "--fps: found with \"x\", allowed with a video");
+  expect_failure("render s.scene -o x.mp4 --start-ns 5",
+                 kUsage,
+                 "--start-ns: found with \"x.mp4\", allowed with an .mcap");
+  expect_failure(
+      "render s.scene -o x.mp4 --cloud-frame world", kUsage, "--cloud-frame: found with \"x.mp4\"");
+  expect_failure("synth street -o x.log --frames 0", kUsage, "--frames: found 0, allowed 1 to 10000");
   expect_failure("render s.scene --sensor front -o x --speed nan", kUsage, "--speed");
   expect_failure("demo -o d --iterations=-1", kUsage, "iterations");  // before the street is made
 }

@@ -130,6 +130,10 @@ TEST_F(FramesCli, TellWhatWasRenderedAndFromWhere) {
     ASSERT_LT((world_from_sensor * in_sensor[i] - in_world[i]).norm(), 1e-4);
   }
   expect_failure("render s.scene --sensor top --cloud-frame lidar -o x", kUsage, "sensor_start");
+  for (const char* option : {"--clouds npz", "--cloud-frame world"})
+    expect_failure(fmt::format("render s.scene --sensor front --frames 1:1 -o x {}", option),
+                   kUsage,
+                   "found with cameras alone, allowed with a LiDAR");
 }
 
 TEST_F(FramesCli, CloudsKeepMillimetresFarFromTheOrigin) {

@@ -108,6 +108,10 @@ enum class OutputKind { kFolder, kFolders, kLog, kVideo, kRecording };
 OutputKind kind_of(const RenderCommand& command) {
   const std::string quoted = '"' + command.output + '"';
   const bool is_file = is_bag(command.output) || is_video(command.output);
+  if (command.frames_per_s > 0.0 && !is_video(command.output))
+    throw_usage_error("--fps", "with " + quoted, "with a video");
+  if (command.start_ns >= 0 && !is_bag(command.output))
+    throw_usage_error("--start-ns", "with " + quoted, "with an .mcap file");
   if (is_file && !command.files.labels.empty())
     throw_usage_error("--labels", "with " + quoted, "with a folder");
   if (is_bag(command.output)) {
@@ -118,8 +122,15 @@ OutputKind kind_of(const RenderCommand& command) {
   if (command.files.images == "raw") throw_usage_error("--images", "\"raw\" for a folder", "png, jpeg, exr");
   if (is_video(command.output)) {
     if (command.as_log) throw_usage_error("--as-log", "with " + quoted, "with a folder");
-    if (command.files.outputs != FileOptions{}.outputs)
-      throw_usage_error("--outputs", "with " + quoted, "with a folder: a video shows rgb");
+    const FileOptions usual;
+    for (const auto& [option, value] : {std::pair("--outputs", &FileOptions::outputs),
+                                        {"--values", &FileOptions::values},
+                                        {"--images", &FileOptions::images},
+                                        {"--clouds", &FileOptions::clouds},
+                                        {"--cloud-frame", &FileOptions::cloud_frame}}) {
+      if (command.files.*value != usual.*value)
+        throw_usage_error(option, "with " + quoted, "with a folder: a video shows rgb");
+    }
     return OutputKind::kVideo;
   }
   constexpr std::array kOtherFiles{
@@ -147,6 +158,16 @@ std::vector<SensorPlan> views_of(const Drive& drive, const SceneFile& file, cons
     views.push_back({asked.sensor, make_plan(drive, asked, command.plan)});
   }
   return views;
+}
+
+/// Error{kUsage} for options of clouds where none is written.
+void need_clouds(const FileOptions& files, const std::vector<SensorPlan>& views) {
+  if (std::any_of(views.begin(), views.end(), [](const SensorPlan& v) { return !v.sensor.is_camera(); }))
+    return;
+  for (const auto& [option, is_given] : {std::pair("--clouds", files.clouds != FileOptions{}.clouds),
+                                         {"--cloud-frame", !files.cloud_frame.empty()}}) {
+    if (is_given) throw_usage_error(option, "with cameras alone", "with a LiDAR");
+  }
 }
 
 fs::path folder_of(const SensorPlan& view, OutputKind kind, const fs::path& output) {
@@ -380,6 +401,7 @@ void render(RenderCommand command, const Globals& globals) {
     throw_usage_error(
         "-o", fmt::format("\"{}\" for {} sensors", command.output, views.size()), "a folder, or one sensor");
   }
+  need_clouds(command.files, views);
   tell_unseen(actors_before, file.scene.actors, views);
   const std::unique_ptr<const RecordedViews> recorded = recorded_views(command, file);
   std::size_t frames = 0, done = 0;
