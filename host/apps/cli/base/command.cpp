@@ -1,12 +1,16 @@
 #include "host/apps/cli/base/command.hpp"
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cmath>
+#include <cstdlib>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <limits>
 #include <map>
 #include <set>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "host/core/base/close_names.hpp"
@@ -29,6 +33,32 @@ CLI::Validator number(const char* name, const char* allowed, bool (*is_allowed)(
     return fmt::format("found {}, allowed {}", text, allowed);
   };
   return {check, name};
+}
+
+/// One of the library's, which refuses in this program's words.
+CLI::Validator reworded(const CLI::Validator& check, const std::string& allowed) {
+  const auto told = [=](const std::string& text) {
+    return check(text).empty() ? std::string() : fmt::format("found {}, allowed {}", text, allowed);
+  };
+  return {told, check.get_description()};
+}
+
+template <class T>
+CLI::Validator within(T least, T most) {
+  return reworded(CLI::Range(least, most), fmt::format("{} to {}", least, most));
+}
+
+/// The library reads a number that T can't hold as the nearest that it can.
+template <class T>
+std::string unless_held(const std::string& text) {
+  errno = 0;
+  const auto value = [&] {
+    if constexpr (std::is_signed_v<T>) return std::strtoll(text.c_str(), nullptr, 0);
+    if constexpr (!std::is_signed_v<T>) return std::strtoull(text.c_str(), nullptr, 0);
+  }();
+  if (errno != ERANGE && std::in_range<T>(value)) return {};
+  using Limits = std::numeric_limits<T>;
+  return fmt::format("found {}, allowed {} to {}", text, Limits::min(), Limits::max());
 }
 
 /// "program draw": what is typed to come here.
@@ -105,6 +135,16 @@ std::string refusal(const CLI::App& root, const CLI::ParseError& error) {
                        name,
                        what.substr(equals + kEquals.size()),
                        is_whole ? "whole number" : "number");
+  }
+  // What is given too often: "--count: At Most 1 required but received 2".
+  constexpr std::string_view kMost = ": At Most ", kReceived = " required but received ";
+  if (const std::size_t most = what.find(kMost), received = what.find(kReceived, most);
+      received != std::string::npos) {
+    const std::size_t number = most + kMost.size();
+    what = fmt::format("{}: found {} values, allowed at most {}",
+                       what.substr(0, most),
+                       what.substr(received + kReceived.size()),
+                       what.substr(number, received - number));
   }
   return fmt::format("{} ({} --help)", what, full_name(app));
 }
@@ -197,17 +237,17 @@ Option& Option::shown_as(const std::string& type, const std::string& value) {
 }
 
 Option& Option::range(int least, int most) {
-  option_->check(CLI::Range(least, most));
+  option_->check(within(least, most));
   return *this;
 }
 
 Option& Option::range(std::int64_t least, std::int64_t most) {
-  option_->check(CLI::Range(least, most));
+  option_->check(within(least, most));
   return *this;
 }
 
 Option& Option::range(double least, double most) {
-  option_->check(CLI::Range(least, most));
+  option_->check(within(least, most));
   return *this;
 }
 
@@ -223,12 +263,12 @@ Option& Option::non_negative() {
 
 Option& Option::one_of(std::initializer_list<const char*> values) {
   const std::vector<std::string> names(values.begin(), values.end());
-  option_->check(CLI::IsMember(names));
+  option_->check(reworded(CLI::IsMember(names), fmt::format("{}", fmt::join(names, ", "))));
   return completed_by([names] { return names; });
 }
 
 Option& Option::one_of(std::initializer_list<int> values) {
-  option_->check(CLI::IsMember(values));
+  option_->check(reworded(CLI::IsMember(values), fmt::format("{}", fmt::join(values, ", "))));
   return *this;
 }
 
@@ -268,6 +308,7 @@ Option Command::option(const std::string& names, T& value, const std::string& he
   if constexpr (std::same_as<T, std::size_t>) {
     option->check(number("", "a whole number from 0 on", [](double number) { return number >= 0.0; }));
   }
+  if constexpr (std::integral<T>) option->check(CLI::Validator(unless_held<T>, ""));
   // Which would read as not given at all.
   if constexpr (std::same_as<T, std::string> || std::same_as<T, std::filesystem::path>) {
     option->check(CLI::Validator(
