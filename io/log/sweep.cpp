@@ -72,10 +72,11 @@ void validate(const fs::path& file, Sweep& sweep) {
   }
 }
 
-[[noreturn]] void refuse(const fs::path& file, std::string cause) {
+[[noreturn]] void refuse(const fs::path& file,
+                         std::string cause,
+                         const char* allowed = "a whole OpenEXR file") {
   while (!cause.empty() && cause.back() == '\n') cause.pop_back();
-  throw_input_error(
-      file.string(), "sweep", cause.empty() ? "an unreadable file" : cause, "a whole OpenEXR file");
+  throw_input_error(file.string(), "sweep", cause.empty() ? "an unreadable file" : cause, allowed);
 }
 
 }  // namespace
@@ -180,7 +181,8 @@ void write_sweep(const fs::path& file, const Sweep& sweep) {
   validate(file, checked);
   write_atomically(file, [&](const fs::path& temporary) {
     const PictureSamples picture{layout, SampleType::kFloat, pixels.data(), reproducible_exr()};
-    if (const PictureFailure failure = picture_codec().write(temporary, picture)) refuse(file, *failure);
+    if (const PictureFailure failure = picture_codec().write(temporary, picture))
+      refuse(file, *failure, "a path with room for all of it (is the disk full?)");
   });
 }
 

@@ -177,8 +177,10 @@ void write_pixels(const fs::path& file, const PictureSamples& picture) {
   }
   write_atomically(file, [&](const fs::path& temporary) {
     if (const PictureFailure failure = picture_codec().write(temporary, picture)) {
-      throw_input_error(
-          file.string(), "picture", one_line(*failure), "a writable path ending in png, jpg or exr");
+      throw_input_error(file.string(),
+                        "picture",
+                        one_line(*failure),
+                        "a path ending in png, jpg or exr with room for all of it (is the disk full?)");
     }
   });
 }

@@ -110,6 +110,34 @@ TEST_F(Cli, InputErrorsNameWhatWasFoundAndExitWith3) {
   EXPECT_FALSE(fs::exists(folder_ / "x.log"));
 }
 
+TEST_F(Cli, AFolderThatMayNotBeEnteredIsToldSo) {
+  fs::create_directory(folder_ / "locked.log");
+  fs::permissions(folder_ / "locked.log", fs::perms::none);
+  const bool is_root = ::geteuid() == 0;  // who may enter any
+  if (is_root) fs::permissions(folder_, fs::perms::others_exec, fs::perm_options::add);
+  const Outcome outcome = run_line(fmt::format(
+      "{} '{}' info locked.log", is_root ? "setpriv --reuid=65534 --clear-groups" : "env", program_));
+  EXPECT_EQ(outcome.exit_code, kInput);
+  EXPECT_EQ(outcome.err,
+            "simuli: locked.log: folder: found Permission denied, allowed one that can be entered\n");
+}
+
+TEST_F(Cli, WhatCannotBeWrittenIsTold) {
+  make_street();
+  std::ofstream(folder_ / "file") << "no folder";
+  expect_failure("train s.log -o x.scene --tensorboard file/events",
+                 kInput,
+                 "file/events: folder: found Not a directory, allowed one that can be made");
+  // A limit on the size of files is as good as a full disk.
+  const Outcome full =
+      run_line(fmt::format("(ulimit -f 8; trap '' XFSZ; exec '{}' synth street -o x.log --frames 1 "
+                           "--image-width 8 --image-height 8)",
+                           program_));
+  EXPECT_EQ(full.exit_code, kInput);
+  EXPECT_NE(full.err.find("allowed a path with room for all of it (is the disk full?)\n"), std::string::npos)
+      << full.err;
+}
+
 TEST_F(Cli, OutputThatCannotBeWrittenIsAnError) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "not run: writing to a full stdout, there is no /dev/full";
   for (const char* arguments : {"info generic64", "train --set help"}) {

@@ -29,10 +29,13 @@ struct InfoOptions {
   std::string sensor;  // inside the target; empty: the target itself
 };
 
-/// False also where the path can't be looked at (no permission, a name too long).
+/// False also for a name too long. Error{kInput} in a folder that may not be entered: what is in it nobody knows.
 bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
+  std::error_code failed;
+  const bool found = fs::exists(path, failed);
+  if (failed == std::errc::permission_denied)
+    throw_input_error(path.parent_path().string(), "folder", failed.message(), "one that can be entered");
+  return found;
 }
 
 void print_any(const SensorFile& file, bool json) {

@@ -147,6 +147,7 @@ std::unique_ptr<OutputLock> take_output(const TrainCommand& command) {
   if (!events.empty()) {
     std::error_code failed;
     std::filesystem::create_directories(events, failed);
+    if (failed) throw_input_error(events.string(), "folder", failed.message(), "one that can be made");
     need_writable(events / "events");
   }
   for (const std::filesystem::path& path :
