@@ -118,6 +118,10 @@ TEST(Camera, ValidateNamesTheFieldThatIsWrong) {
   refused("fy_px", [](Camera& c) { c.fy = std::numeric_limits<double>::infinity(); });
   refused("cx_px", [](Camera& c) { c.cx = kNan; });
   refused("cy_px", [](Camera& c) { c.cy = -std::numeric_limits<double>::infinity(); });
+  Camera nameless = wide();
+  nameless.name.clear();
+  nameless.fx = 0.0;
+  expect_error(ErrorKind::kInput, "log.json: fx_px: found 0", [&] { validate(nameless, "log.json"); });
 }
 
 }  // namespace

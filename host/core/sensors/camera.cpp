@@ -136,7 +136,7 @@ ShutterKind shutter_from_string(const std::string& name, const std::string& file
 }
 
 void validate(const Camera& camera, const std::string& file) {
-  const std::string prefix = "camera " + camera.name + ": ";
+  const std::string prefix = camera.name.empty() ? "" : "camera " + camera.name + ": ";
   for (const auto& [field, value] : {std::pair{"width_px", camera.width}, {"height_px", camera.height}}) {
     if (value < 1 || value > kLargestSide_px) {
       throw_input_error(file, prefix + field, std::to_string(value), fmt::format("1 to {}", kLargestSide_px));

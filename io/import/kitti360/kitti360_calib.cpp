@@ -50,7 +50,7 @@ Pose pose_of(const std::vector<double>& v, const fs::path& file, const std::stri
   for (Eigen::Index r = 0; r < 3; ++r) {
     for (Eigen::Index c = 0; c < columns; ++c) m(r, c) = v[static_cast<std::size_t>(r * columns + c)];
   }
-  return with_context(file.string() + ": " + field, [&] { return Pose::from_matrix(m); });
+  return with_context("reading " + file.string() + ": " + field, [&] { return Pose::from_matrix(m); });
 }
 
 std::string without_blanks(const std::string& text) {

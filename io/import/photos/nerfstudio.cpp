@@ -54,18 +54,23 @@ int pixels(Intrinsics& of, const char* key, const std::string& file) {
   throw_input_error(file, key, fmt::format("{}", value), "a whole number from 1 to 65536");
 }
 
+/// As such, else by the angle that a side takes.
+double focal_px(Intrinsics& of, const char* focal, const char* angle, int side, const std::string& file) {
+  const bool is_angle = !of.has(focal);
+  const double value = of.number(is_angle ? angle : focal);
+  if (is_angle && value > 0.0 && value < std::numbers::pi) return 0.5 * side / std::tan(0.5 * value);
+  if (!is_angle && value > 0.0) return value;
+  throw_input_error(
+      file, is_angle ? angle : focal, fmt::format("{}", value), is_angle ? "above 0, below pi" : "above 0");
+}
+
 Camera camera_of(Intrinsics& of, const std::string& file) {
   Camera c;
   c.width = pixels(of, "w", file);
   c.height = pixels(of, "h", file);
-  if (of.has("fl_x")) {
-    c.fx = of.number("fl_x");
-  } else {
-    c.fx = 0.5 * c.width / std::tan(0.5 * of.number("camera_angle_x"));
-  }
-  const bool has_vertical = !of.has("fl_y") && of.has("camera_angle_y");
-  c.fy = has_vertical ? 0.5 * c.height / std::tan(0.5 * of.number("camera_angle_y"))
-                      : of.number_or("fl_y", c.fx);
+  c.fx = focal_px(of, "fl_x", "camera_angle_x", c.width, file);
+  const bool has_vertical = of.has("fl_y") || of.has("camera_angle_y");
+  c.fy = has_vertical ? focal_px(of, "fl_y", "camera_angle_y", c.height, file) : c.fx;
   c.cx = of.number_or("cx", 0.5 * c.width);
   c.cy = of.number_or("cy", 0.5 * c.height);
   // instant-ngp's key; its scripts write no camera_model.
@@ -129,7 +134,7 @@ Pose pose_of(const Json& rows, const std::string& file, const std::string& field
   if (!m.row(3).isApprox(Eigen::RowVector4d::UnitW(), kSlack)) refuse("another last row (is it transposed?)");
   m.col(1) = -m.col(1);
   m.col(2) = -m.col(2);
-  return with_context(file + ": " + field, [&] { return Pose::from_matrix(m.topRows<3>()); });
+  return with_context("reading " + file + ": " + field, [&] { return Pose::from_matrix(m.topRows<3>()); });
 }
 
 fs::path photo_file(const fs::path& folder, JsonObject& frame) {

@@ -158,7 +158,7 @@ Pose Reader::transform(std::string_view bytes) const {
   if (!m.row(3).isApprox(Eigen::RowVector4d::UnitW(), kSlack)) {
     throw_input_error(file_, "transform", "another last row (is it transposed?)", "0 0 0 1");
   }
-  return with_context(file_, [&] { return Pose::from_matrix(m.topRows<3>()); });
+  return with_context("reading " + file_, [&] { return Pose::from_matrix(m.topRows<3>()); });
 }
 
 void Reader::context(std::string_view bytes, Frame& f) const {

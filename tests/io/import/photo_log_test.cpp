@@ -350,6 +350,11 @@ TEST(Nerfstudio, PosesAreOurs) {
   EXPECT_EQ(bent.cameras.at(0).lens.kind(), LensKind::kOpencvPinhole);  // k1 counts whatever the name
   refuse(transforms(R"("fl_x": 9, "w": 8.5, "h": 6,)", "OPENCV"), "w: found 8.5");
   refuse(transforms(R"("w": 8, "h": 6,)", "OPENCV"), "camera_angle_x");
+  refuse(transforms(R"("w": 8, "h": 6, "camera_angle_x": 3.2,)", "OPENCV"),
+         "json: camera_angle_x: found 3.2");
+  refuse(transforms(R"("fl_x": 0, "w": 8, "h": 6,)", "OPENCV"), "json: fl_x: found 0, allowed above 0");
+  std::string scaled = transforms(head, "OPENCV");
+  refuse(scaled.replace(scaled.find("[0, 1, 0, 0]"), 12, "[0, 2, 0, 0]"), "while reading ");
   refuse(R"({"fl_x": 9, "w": 8, "h": 6, "frames": [{"file_path": "a.png", "transform_matrix": [[1]]}]})",
          "transform_matrix");
   for (const char* row : {"[0, 0, 0, 2]", "[5, -2, 1, 1]"}) {
