@@ -3,7 +3,9 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <iterator>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -106,18 +108,23 @@ void need_better(const std::vector<CameraView>& views,
   const auto edges_px = edges_apart_px(views, given, mountings, world_from_rig, scene, options);
   const auto texture =
       texture_of(views, given.model, world_from_rig, scene.surfaces, scene.spacing_rad, mountings);
-  if (edges_px[0] < edges_px[1] && (!texture || (*texture)[0] > (*texture)[1])) return;
-  const std::string of_texture = fmt::format("; correlation of texture {:.3f}, allowed above {:.3f}",
-                                             texture ? (*texture)[0] : 0.0,
-                                             texture ? (*texture)[1] : 0.0);
-  refuse(
-      given,
-      fmt::format("pictures that {} has not seen speak against what it asks for: depth edges {:.3f} px from "
-                  "theirs, allowed below the {:.3f} px with what was given{}",
-                  whose,
-                  edges_px[0],
-                  edges_px[1],
-                  texture ? of_texture : ""));
+  std::vector<std::string> against;
+  if (!(edges_px[0] < edges_px[1])) {
+    against.push_back(
+        fmt::format("depth edges {:.3f} px from theirs, allowed below the {:.3f} px with what was given",
+                    edges_px[0],
+                    edges_px[1]));
+  }
+  if (texture && !((*texture)[0] > (*texture)[1])) {
+    against.push_back(fmt::format("correlation of texture {:.3f}, allowed above {:.3f} with what was given",
+                                  (*texture)[0],
+                                  (*texture)[1]));
+  }
+  if (against.empty()) return;
+  refuse(given,
+         fmt::format("pictures that {} has not seen speak against what it asks for: {}",
+                     whose,
+                     fmt::join(against, "; ")));
 }
 
 void settle(const LogCamera& given, CameraPoseReport& report) {

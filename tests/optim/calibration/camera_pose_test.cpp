@@ -243,6 +243,12 @@ TEST(CameraPose, IsJudgedByPicturesThatItHasNotSeen) {
       judge(truth, beside);
     });
   }
+  // Only what speaks against it is told: edges are nearer.
+  LogCamera given = truth;
+  given.rig_from_camera = moved(right, 4.2 * step).rig_from_camera;
+  expect_error(ErrorKind::kNumeric, "asks for: correlation of texture", [&] {
+    judge(given, Mounting{truth.rig_from_camera, 0.02});
+  });
   // Where edges tell too little, texture does.
   const auto texture = [&](const Mounting& mounting) {
     return texture_of(recording.views,

@@ -138,7 +138,7 @@ std::string text_of(const calib::AlignReport& r) {
 }
 
 std::string text_of(const CameraResult& result) {
-  if (!result.report) return fmt::format("camera {}: {}\n", result.name, result.reason);
+  if (!result.report) return result.reason + "\n";  // which names the camera
   const calib::CameraPoseReport& r = *result.report;
   const auto row = [](const char* name, const Eigen::Vector3d& v, const char* unit) {
     return fmt::format("  {:<22} {:>9.4f} {:>9.4f} {:>9.4f} {}\n", name, v.x(), v.y(), v.z(), unit);
