@@ -19,6 +19,8 @@ constexpr double kVehicle_m = 2.5;  // who is as long turns as a vehicle does
 constexpr double kVehicleTurn_rad_per_s = 1.5, kTurn_rad_per_s = 6.0;
 constexpr double kLabel_rad = 0.6;  // by which labels of a thing that does not turn differ
 constexpr double kDriving_m_per_s = 1.0;
+// Of places: by how much labels of one thing scatter, and how much faster than in the middle it drives for one.
+constexpr double kPlace_m = 1.5, kFaster_m_per_s = 15.0, kFastest_m_per_s = 100.0;
 constexpr int kLeastDriving = 3;      // labels: by how many more drive one way than the other
 constexpr double kAboveRoof_m = 1.5;  // where the own vehicle has its sensors
 // Roads are lanes of 3.5 m; the longest that 96/53/EC lets on them is 25.25 m. Trams and trains are 2.7 m wide.
@@ -129,6 +131,70 @@ void mend_headings(Actor& actor, std::vector<std::string>& said) {
                                actor.track[k].time_s));
 }
 
+/// Poses at which the thing is for one label, where it can't have got to and come back from.
+class Places {
+ public:
+  explicit Places(const std::vector<KeyPose>& track) : track_(track) {
+    std::vector<double> speeds;
+    for (std::size_t k = 1; k < track.size(); ++k) {
+      speeds.push_back(distance_m(k - 1, k) / (track[k].time_s - track[k - 1].time_s));
+    }
+    if (speeds.empty()) return;
+    const auto middle = speeds.begin() + std::ssize(speeds) / 2;
+    std::nth_element(speeds.begin(), middle, speeds.end());
+    most_m_per_s_ = *middle + kFaster_m_per_s;
+  }
+
+  [[nodiscard]] bool is_off(std::size_t k) const {
+    const std::size_t count = track_.size();
+    if (count < 3) return false;
+    const std::size_t before = k == 0 ? 2 : k - 1, after = k + 1 == count ? count - 3 : k + 1;
+    // At an end, braking is like being off.
+    const double most_m_per_s = k == 0 || k + 1 == count ? kFastest_m_per_s : most_m_per_s_;
+    const auto can_get = [&](std::size_t a, std::size_t b) {
+      return distance_m(a, b) <= kPlace_m + most_m_per_s * std::abs(track_[b].time_s - track_[a].time_s);
+    };
+    return !can_get(before, k) && !can_get(k, after) && can_get(before, after);
+  }
+  /// The first that it can't have got to from the one before at any car's speed; 0: none.
+  [[nodiscard]] std::size_t first_wrong() const {
+    for (std::size_t k = 1; k < track_.size(); ++k) {
+      const double most_m = kPlace_m + kFastest_m_per_s * (track_[k].time_s - track_[k - 1].time_s);
+      if (distance_m(k - 1, k) > most_m) return k;
+    }
+    return 0;
+  }
+  [[nodiscard]] double distance_m(std::size_t a, std::size_t b) const {
+    return (track_[a].world_from_actor.translation - track_[b].world_from_actor.translation).norm();
+  }
+
+ private:
+  const std::vector<KeyPose>& track_;
+  double most_m_per_s_ = 0.0;
+};
+
+void mend_places(Actor& actor, std::vector<std::string>& said) {
+  const std::size_t count = actor.track.size();
+  std::vector<KeyPose> kept;
+  const Places places(actor.track);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!places.is_off(k)) kept.push_back(actor.track[k]);
+  }
+  if (kept.size() < count)
+    said.push_back(fmt::format("label {}: {} of {} places are off those before and after, left out",
+                               actor.name,
+                               count - kept.size(),
+                               count));
+  actor.track = std::move(kept);
+  const Places mended(actor.track);
+  if (const std::size_t k = mended.first_wrong(); k > 0)
+    said.push_back(fmt::format("label {}: gets {:.0f} m far in {:.2f} s at {:.2f} s, left as it is",
+                               actor.name,
+                               mended.distance_m(k - 1, k),
+                               actor.track[k].time_s - actor.track[k - 1].time_s,
+                               actor.track[k].time_s));
+}
+
 /// Larger than anything that drives.
 bool is_too_large(const Actor& actor) {
   if (actor.travel_m() < kDrives_m) return false;
@@ -189,6 +255,7 @@ std::vector<std::string> mend_labels(Log& log) {
     if (own > 0)
       said.push_back(
           fmt::format("label {}: {} of {} poses hold the sensors, left out", actor.name, own, count));
+    mend_places(actor, said);
     mend_headings(actor, said);
     kept.push_back(std::move(actor));
   }

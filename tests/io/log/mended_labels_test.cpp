@@ -178,6 +178,48 @@ TEST(MendedLabels, NothingThatDrivesIsAsLargeAsAHouse) {
   }
 }
 
+TEST(MendedLabels, APlaceThatOneLabelAloneTellsIsLeftOut) {
+  struct Case {
+    std::vector<std::size_t> off;
+    Vector3d by_m;
+    std::size_t left;
+    const char* said;
+  };
+  for (const Case& c :
+       {Case{{6}, {0.0, 60.0, 0.0}, 12, "car: 1 of 13 places are off those before and after"},
+        Case{{6}, {0.0, 6.0, 0.0}, 12, "car: 1 of 13 places"},
+        Case{{6}, {1e7, 0.0, 0.0}, 12, "car: 1 of 13 places"},
+        Case{{0, 4, 12}, {-60.0, 0.0, 0.0}, 10, "car: 3 of 13 places"},
+        Case{{1}, {60.0, 0.0, 0.0}, 12, "car: 1 of 13 places"},
+        Case{{6, 7}, {0.0, 60.0, 0.0}, 13, "car: gets 60 m far in 0.10 s at 0.60 s, left as it is"},
+        Case{{6}, {0.0, 1.0, 0.0}, 13, ""},
+        Case{{}, {}, 13, ""}}) {
+    SCOPED_TRACE(testing::Message() << c.by_m.transpose() << " " << c.said);
+    Actor actor = thing(kCar);
+    for (const std::size_t k : c.off) actor.track[k].world_from_actor.translation += c.by_m;
+    Log log = log_with(actor);
+    const std::vector<std::string> said = mend_labels(log);
+    ASSERT_EQ(log.actors.size(), 1U);
+    EXPECT_EQ(log.actors[0].track.size(), c.left);
+    ASSERT_EQ(said.size(), c.said[0] == '\0' ? 0U : 1U);
+    if (!said.empty()) {
+      EXPECT_NE(said[0].find(c.said), std::string::npos) << said[0];
+    }
+  }
+}
+
+// Labels at 2 Hz of a thing that brakes from 30 m/s: each step differs from the middle one.
+TEST(MendedLabels, WhatBrakesIsWhereItSays) {
+  Actor actor = thing(kCar, 2.0);
+  for (std::size_t k = 0; k < actor.track.size(); ++k) {
+    const double time_s = std::min(actor.track[k].time_s, 4.0);
+    actor.track[k].world_from_actor.translation.x() = 10.0 + 30.0 * time_s - 0.5 * 7.5 * time_s * time_s;
+  }
+  Log log = log_with(actor);
+  EXPECT_TRUE(mend_labels(log).empty());
+  EXPECT_EQ(log.actors[0].track.size(), 13U);
+}
+
 TEST(MendedLabels, OfATimeWithoutAPathAreLeft) {
   Actor actor = thing(kCar);
   for (KeyPose& key : actor.track) key.time_s += 100.0;
