@@ -167,6 +167,10 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     scene.scene.name = root.text("name");
     if (!scene.scene.name.empty()) need_name(scene.scene.name, file, "name");
     scene.scene.origin = root.vector<3>("origin_m");
+    if (const double far_m = scene.scene.origin.cwiseAbs().maxCoeff(); far_m > kFarthestPlace_m) {
+      throw_input_error(
+          file, "origin_m", fmt::format("{} m", far_m), fmt::format("up to {} m", kFarthestPlace_m));
+    }
     contents.camera_set = root.object("camera_set", read_set);
     contents.lidar_set = root.object("lidar_set", read_set);
     scene.scene.camera_background = contents.camera_set.background;

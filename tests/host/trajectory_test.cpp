@@ -58,6 +58,9 @@ TEST(Trajectory, RefusesWhatIsNoTrajectory) {
   expect_error(ErrorKind::kInput, "poses[2].time", [] { Trajectory({at_x(1, 0), at_x(3, 0), at_x(2, 0)}); });
   expect_error(ErrorKind::kInput, "poses[0]", [] { Trajectory({at_x(1, kNan)}); });
   expect_error(ErrorKind::kInput, "poses[1]", [] { Trajectory({at_x(1, 0), at_x(kNan, 0)}); });
+  expect_error(ErrorKind::kInput, "poses[1]: found a place at", [] {
+    Trajectory({at_x(1, 0), at_x(2, -1e9)});
+  });
 }
 
 TEST(Trajectory, RefusesAZeroQuaternion) {

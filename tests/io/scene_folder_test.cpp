@@ -241,6 +241,8 @@ TEST(SceneFolder, WhatCannotBeReadBackLeavesTheOldSceneAlone) {
   SceneFile bad = some_scene();
   bad.scene.origin.x() = std::nan("");
   refused(bad, {"origin_m"});
+  bad.scene.origin.x() = -2e8;
+  refused(bad, {"origin_m", "up to"});
   bad = some_scene();
   bad.scene.lidar.params(1, kMeanRow) = std::nanf("");
   refused(bad, {"lidar.ply", "vertex 1: x"});

@@ -194,7 +194,7 @@ TEST(StressOfActors, PosesThatAreNoNumbersAreRefused) {
   Renderer renderer(device, paper_options());
   const ParticleBuffers particles(device, set, renderer.options());
   const SensorRays rays = shot.on(device, renderer.options());
-  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e8}) {
     test::Shot broken = shot;
     broken.view.actors = test::cars(0.1, 0.01);
     broken.view.actors[0].scene_from_actor_end.translation.z() = bad;

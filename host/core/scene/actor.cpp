@@ -172,12 +172,10 @@ void validate(const Actor& actor, const std::string& where) {
                         key.world_from_actor.rotation.coeffs().allFinite() && key.shift_m.allFinite() &&
                         key.turn_rad.allFinite();
     if (!finite) throw_input_error(where, field(), "NaN or Inf", "finite numbers");
-    // No projection of the Earth has larger coordinates.
-    constexpr double kFarthest_m = 1e8;
     const double far_m = (key.world_from_actor.translation + key.shift_m).cwiseAbs().maxCoeff();
-    if (!(far_m <= kFarthest_m))
+    if (!(far_m <= kFarthestPlace_m))
       throw_input_error(
-          where, field(), fmt::format("a place at {} m", far_m), fmt::format("up to {} m", kFarthest_m));
+          where, field(), fmt::format("a place at {} m", far_m), fmt::format("up to {} m", kFarthestPlace_m));
     if (i > 0 && !(key.time_s > actor.track[i - 1].time_s)) {
       throw_input_error(where,
                         field(),

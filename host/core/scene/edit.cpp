@@ -95,12 +95,17 @@ void change(Actor& actor, const ActorEdit::Turn& turn) {
 }
 
 void change(Actor& actor, const ActorEdit::Retime& retime) {
-  if (!(retime.rate > 0.0 && std::isfinite(retime.rate) && std::isfinite(retime.delay_s))) {
+  // Beyond these, times of a track of nanoseconds fall together.
+  constexpr double kFastest = 1e3, kLatest_s = 1e6;
+  if (!(retime.rate >= 1.0 / kFastest && retime.rate <= kFastest && std::abs(retime.delay_s) <= kLatest_s)) {
     throw Error(ErrorKind::kUsage,
-                fmt::format("retime {}: found {} times as fast, {} s later, allowed above 0 and finite",
+                fmt::format("retime {}: found {} times as fast, {} s later, allowed {} to {}, within {} s",
                             actor.name,
                             retime.rate,
-                            retime.delay_s));
+                            retime.delay_s,
+                            1.0 / kFastest,
+                            kFastest,
+                            kLatest_s));
   }
   if (actor.track.empty()) return;
   const double start_s = actor.track.front().time_s;

@@ -14,15 +14,15 @@ Pose Pose::inverse() const {
 }
 
 void Pose::check(const std::string& what) const {
-  const double size = translation.norm() + rotation.norm();
-  if (std::isfinite(size) && std::abs(rotation.norm() - 1.0) < 1e-3) return;
-  throw Error(
-      ErrorKind::kNumeric,
-      fmt::format(
-          "pose of {}: found a place of norm {} and a quaternion of norm {}, allowed finite ones and 1",
-          what,
-          translation.norm(),
-          rotation.norm()));
+  const bool is_near = translation.allFinite() && translation.cwiseAbs().maxCoeff() <= kFarthestInScene_m;
+  if (is_near && std::abs(rotation.norm() - 1.0) < 1e-3) return;
+  throw Error(ErrorKind::kNumeric,
+              fmt::format("pose of {}: found a place {} m from the origin and a quaternion of norm {}, "
+                          "allowed up to {} m and 1",
+                          what,
+                          translation.norm(),
+                          rotation.norm(),
+                          kFarthestInScene_m));
 }
 
 Eigen::Matrix4d Pose::matrix() const {

@@ -6,6 +6,11 @@
 
 namespace simuli {
 
+/// No projection of the Earth has larger coordinates.
+inline constexpr double kFarthestPlace_m = 1e8;
+/// From the scene's origin: single precision is at 1 m there.
+inline constexpr double kFarthestInScene_m = 1e7;
+
 /// A rigid transform `a_from_b`: p_a = a_from_b * p_b. Rotation is a unit quaternion, translation in
 /// metres is the origin of frame b in frame a (for world_from_sensor: the sensor centre).
 struct Pose {
@@ -17,8 +22,8 @@ struct Pose {
   /// From the upper 3x4 of a matrix; the rotation block is replaced by the nearest rotation. Error{kInput}
   /// when it is no rotation to begin with (a reflection, scaled, not finite).
   static Pose from_matrix(const Eigen::Matrix<double, 3, 4>& a_from_b);
-  /// Error{kNumeric} naming `what` ("the sensor") unless all is finite and the quaternion's norm 1 within
-  /// 1e-3.
+  /// Error{kNumeric} naming `what` ("the sensor") unless it is within kFarthestInScene_m of b's origin
+  /// and the quaternion's norm 1 within 1e-3.
   void check(const std::string& what) const;
 };
 

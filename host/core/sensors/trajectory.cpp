@@ -17,6 +17,14 @@ Trajectory::Trajectory(std::vector<TimedPose> poses) : poses_(std::move(poses)) 
     const bool finite = std::isfinite(p.time_s) && p.pose.translation.allFinite() &&
                         p.pose.rotation.coeffs().allFinite();
     if (!finite) throw_input_error("trajectory", fmt::format("poses[{}]", i), "NaN or Inf", "finite");
+    // Half of what labels may have: what is found beside the path is within that.
+    const double far_m = p.pose.translation.cwiseAbs().maxCoeff();
+    if (far_m > 0.5 * kFarthestPlace_m) {
+      throw_input_error("trajectory",
+                        fmt::format("poses[{}]", i),
+                        fmt::format("a place at {} m", far_m),
+                        fmt::format("up to {} m", 0.5 * kFarthestPlace_m));
+    }
     if (!(p.pose.rotation.norm() > 1e-6)) {
       throw_input_error("trajectory", fmt::format("poses[{}].rotation", i), "a zero quaternion", "any other");
     }

@@ -52,7 +52,7 @@ TEST(Edit, OfTracksAloneIsTheSameFunction) {
   // What comes after has nothing to change.
   EXPECT_TRUE(edited(gone, {{"first", ActorEdit::Retime{2.0, 0.0}}})[0].track.empty());
   expect_error(ErrorKind::kUsage, "third", [&] { (void)edited(actors, {{"third", ActorEdit::Remove{}}}); });
-  expect_error(ErrorKind::kUsage, "above 0", [&] {
+  expect_error(ErrorKind::kUsage, "0.001 to 1000", [&] {
     (void)edited(actors, {{"first", ActorEdit::Retime{0.0, 0.0}}});
   });
 }
@@ -122,7 +122,10 @@ TEST(Edit, RetimesFromTheStartOfTheTrack) {
   retime_actor(scene, "first", 2.0, 0.25);
   EXPECT_TRUE(scene.actors[0].at(1.5).translation.isApprox(Vector3d(10.0, 4.0, 0.0), kExact));
   EXPECT_FALSE(scene.actors[0].is_there(1.1));
-  expect_error(ErrorKind::kUsage, "found 0 times", [&] { retime_actor(scene, "first", 0.0, 0.0); });
+  for (const auto& [rate, delay_s] :
+       {std::pair{0.0, 0.0}, {1e300, 0.0}, {NAN, 0.0}, {1.0, 1e300}, {1.0, NAN}}) {
+    expect_error(ErrorKind::kUsage, "times as fast", [&] { retime_actor(scene, "first", rate, delay_s); });
+  }
 }
 
 TEST(Edit, SendsAnActorElsewhere) {

@@ -11,8 +11,6 @@
 namespace simuli::serve {
 namespace {
 
-constexpr double kFarthest_m = 1e7;  // from the scene's origin: single precision is at 1 m there
-
 /// `pair` over the frame, in the world.
 struct Poses {
   Pose start, end;
@@ -86,10 +84,10 @@ Pose pose_of(const proto_common::Pose& message, const std::string& field) {
   const proto_common::Quat& q = message.quat();
   const Eigen::Vector3d place(at.x(), at.y(), at.z());
   const Eigen::Quaterniond turn(q.w(), q.x(), q.y(), q.z());
-  if (!(place.cwiseAbs().maxCoeff() <= kFarthest_m) || !place.allFinite()) {
+  if (!(place.cwiseAbs().maxCoeff() <= kFarthestInScene_m) || !place.allFinite()) {
     refuse(field + ".vec",
            fmt::format("{}, {}, {}", at.x(), at.y(), at.z()),
-           fmt::format("finite, within {} m of the scene's origin", kFarthest_m));
+           fmt::format("finite, within {} m of the scene's origin", kFarthestInScene_m));
   }
   if (!(std::abs(turn.norm() - 1.0) <= kTolerance)) {
     refuse(
