@@ -99,12 +99,19 @@ std::optional<pid_t> process_in(std::string_view name, std::string_view stem, st
   return process;
 }
 
+/// What it is registered by. Where the working folder was removed nothing is absolute, and nothing can be written.
+fs::path key_of(const fs::path& path) {
+  std::error_code error;
+  const fs::path absolute = fs::absolute(path, error);
+  return error ? path : absolute;
+}
+
 /// Whether it lies in a folder that is not to last as it is: one that is synced as a whole before it gets its
 /// name, or is removed in the end. Thousands of pictures synced one by one take minutes.
 bool is_in_a_temporary(const fs::path& path) {
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
-  for (fs::path at = fs::absolute(path).parent_path(); at != at.root_path(); at = at.parent_path()) {
+  for (fs::path at = key_of(path).parent_path(); at != at.root_path(); at = at.parent_path()) {
     if (all.paths.contains(at)) return true;
   }
   return false;
@@ -157,7 +164,7 @@ Temporary::Temporary(const fs::path& target) : target_(target) {
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
   if (!all.spare.keep()) throw_errno(target_, "open", "a descriptor more");
-  all.paths.insert(fs::absolute(path_));
+  all.paths.insert(key_of(path_));
   ++all.written;
 }
 
@@ -245,13 +252,13 @@ void remove_temporaries() noexcept {
 void remove_at_end(const fs::path& path) {
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
-  all.paths.insert(fs::absolute(path));
+  all.paths.insert(key_of(path));
 }
 
 void keep_at_end(const fs::path& path) {
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
-  all.paths.erase(fs::absolute(path));
+  all.paths.erase(key_of(path));
 }
 
 void kill_at_end(pid_t group) {

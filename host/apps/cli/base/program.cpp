@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <exception>
+#include <filesystem>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <iostream>
@@ -112,6 +113,10 @@ Failure failure_of(const std::exception& thrown) {
   if (const auto* const ended = dynamic_cast<const Ended*>(&thrown))
     return {ended->what(), ended->exit_code()};
   if (dynamic_cast<const Interrupted*>(&thrown) != nullptr) return {thrown.what(), kInterruptedExit};
+  // As of a working folder that was removed; most of what the file system refuses is an Error.
+  if (const auto* const file = dynamic_cast<const std::filesystem::filesystem_error*>(&thrown))
+    return {on_one_line(fmt::format("found {}, allowed files and folders that are there", file->what())),
+            static_cast<int>(ErrorKind::kInput)};
   const auto* const system = dynamic_cast<const std::system_error*>(&thrown);
   // Of threads, whose stacks take memory; what libraries say of files comes as an Error.
   const bool has_no_thread = system != nullptr && system->code() == std::errc::resource_unavailable_try_again;
