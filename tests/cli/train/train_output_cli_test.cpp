@@ -165,6 +165,27 @@ TEST_F(TrainOutputCli, AStoppedTrainingGoesOn) {
   }
 }
 
+// As `simuli train ... 2>&1 | head`, once it trains: each line that nobody reads is a signal.
+TEST_F(TrainOutputCli, ATrainingWhoseOutputNobodyReadsKeepsACheckpoint) {
+  const Outcome outcome = run_line(fmt::format(
+      "(sh -c '\"{}\" --json-progress train s.log -o a.scene --iterations 1000000 --checkpoint-every 1000000 "
+      "--set init.voxel_m=0.3 2>&1; echo $? > code' | grep -m 1 '\"task\":\"train\"')",
+      program_));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err;
+  EXPECT_EQ(content("code"), fmt::format("{}\n", kInterrupted));
+  EXPECT_TRUE(names().contains("a.scene.checkpoint"));
+}
+
+// The pipe of signals took their place, and an end by a signal that does not exist never came.
+TEST_F(TrainOutputCli, AProgramWithoutStandardStreamsEnds) {
+  const Outcome outcome = run_line(fmt::format(
+      "timeout -k 1 300 sh -c '\"{}\" train s.log -o a.scene --iterations 2 --set init.voxel_m=0.3 "
+      "<&- >&- 2>&-'",
+      program_));
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_TRUE(names().contains("a.scene"));
+}
+
 TEST_F(TrainOutputCli, ASignalDoesNotWaitForAFixer) {
   const std::string folder = folder_.string(), fixer = "sh " + folder + "/mend.sh";
   std::ofstream(folder_ / "mend.sh") << "if [ -e " << folder << "/slow ]; then touch " << folder

@@ -20,26 +20,32 @@ namespace {
 std::atomic<int> points{0};  // InterruptionPoint objects
 std::atomic<const char*> point_note{""};
 std::atomic<bool> is_noted{false};
+std::atomic<bool> is_unread{false};
 int signal_pipe = -1;  // the handler's end
 
 /// All that a handler may do; files are removed by a thread.
 void note_signal(int signal) {
   const int error = errno;
+  if (signal == SIGPIPE) is_unread = true;
   const auto byte = static_cast<unsigned char>(signal);
   static_cast<void>(!::write(signal_pipe, &byte, 1));
   errno = error;
 }
 
-constexpr std::array<int, 3> kSignals{SIGINT, SIGTERM, SIGHUP};
-std::array<bool, kSignals.size()> ignored{};  // from the start, as under nohup
+// SIGPIPE: whoever read what is printed has gone, as a terminal that was closed has.
+constexpr std::array<int, 4> kSignals{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+std::array<bool, kSignals.size()> ignored{};  // from the start, as under nohup, or by who writes to sockets
 
 std::atomic<bool> is_ending{false};
 
 void watch_for_signals() {
   if (is_ending) return;
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    if (ignored[i]) continue;
     struct sigaction action {};
+    ignored[i] =
+        ignored[i] || ::sigaction(kSignals[i], nullptr, &action) != 0 || action.sa_handler == SIG_IGN;
+    if (ignored[i]) continue;
+    action = {};
     action.sa_handler = note_signal;
     action.sa_flags = SA_RESTART;
     static_cast<void>(::sigaction(kSignals[i], &action, nullptr));
@@ -62,10 +68,13 @@ void serve(int pipe) {
     const ssize_t got = ::read(pipe, &signal, 1);
     if (got < 0 && errno == EINTR) continue;
     if (got != 1) return;
-    if (points > 0 && !is_noted.exchange(true)) {
-      std::cerr << "simuli: interrupted: " << point_note << std::endl;
-      kill_groups();
-      continue;
+    if (points > 0) {
+      const bool is_first = !is_noted.exchange(true);
+      if (is_first) {
+        std::cerr << "simuli: interrupted: " << point_note << std::endl;
+        kill_groups();
+      }
+      if (is_first || signal == SIGPIPE) continue;  // each further line that nobody reads brings one
     }
     end_by(signal);
   }
@@ -73,7 +82,17 @@ void serve(int pipe) {
 
 }  // namespace
 
+/// A descriptor of 0 to 2 that whoever started this program has closed would be the next file's that it opens:
+/// what is printed would land there.
+void fill_standard_streams() {
+  int opened = 0;
+  do opened = ::open("/dev/null", O_RDWR);
+  while (opened >= 0 && opened <= STDERR_FILENO);
+  if (opened >= 0) ::close(opened);
+}
+
 void watch_signals() {
+  fill_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN);  // a file above the shell's limit is a write that fails, as on a full disk
   std::array<int, 2> ends{};
   if (signal_pipe >= 0 || ::pipe2(ends.data(), O_CLOEXEC) != 0) return;  // signals end it as they would
@@ -85,11 +104,11 @@ void watch_signals() {
     return;
   }
   signal_pipe = ends[1];
-  for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    struct sigaction action {};
-    ignored[i] = ::sigaction(kSignals[i], nullptr, &action) != 0 || action.sa_handler == SIG_IGN;
-  }
   keep_installed(watch_for_signals);
+}
+
+void end_if_unread() {
+  if (is_unread) end_by(SIGPIPE);
 }
 
 InterruptionPoint::InterruptionPoint(const char* note) {

@@ -1,6 +1,6 @@
 #pragma once
-// SIGINT, SIGTERM and SIGHUP: nothing half-written stays, and a training that keeps checkpoints keeps one
-// more.
+// SIGINT, SIGTERM, SIGHUP and SIGPIPE: nothing half-written stays, and a training that keeps checkpoints keeps
+// one more.
 #include <stdexcept>
 #include <string>
 
@@ -18,6 +18,9 @@ class Interrupted : public std::runtime_error {
 /// From here on such a signal removes the temporaries (io/base/temporary.hpp) and then ends the process, as
 /// it would have at once. Signals that are ignored (nohup) stay ignored.
 void watch_signals();
+
+/// Ends the process, as such a signal does, where what it prints has lost its reader (`| head`): no error to tell.
+void end_if_unread();
 
 /// While there is one, the first signal is only noted, and `note` told on stderr; the second ends the
 /// process.

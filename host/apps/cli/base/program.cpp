@@ -100,7 +100,10 @@ void run_arguments(const std::string& name,
   add(line, globals);
   const Stopwatch watch;
   const bool has_run = line.parse(argc, argv);  // or has told what was asked for
-  if (!std::cout.flush()) throw Error(ErrorKind::kInput, "stdout: could not be written");
+  if (!std::cout.flush()) {
+    end_if_unread();
+    throw_input_error("stdout", "output", "a stream that can't be written", "an open one with room");
+  }
   if (has_run && globals.verbose) {
     std::cerr << fmt::format("simuli: {:.2f} s", watch.seconds()) << std::endl;
   }
