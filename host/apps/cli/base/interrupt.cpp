@@ -80,8 +80,6 @@ void serve(int pipe) {
   }
 }
 
-}  // namespace
-
 /// A descriptor of 0 to 2 that whoever started this program has closed would be the next file's that it opens:
 /// what is printed would land there.
 void fill_standard_streams() {
@@ -90,6 +88,8 @@ void fill_standard_streams() {
   while (opened >= 0 && opened <= STDERR_FILENO);
   if (opened >= 0) ::close(opened);
 }
+
+}  // namespace
 
 void watch_signals() {
   fill_standard_streams();
