@@ -70,6 +70,8 @@ std::vector<Row> run_figure11(const std::string& device_request,
       options.log.empty() ? record(options, scratch.path()) : open_drive(options.log, scratch.path());
   const Log& log = drive.log;
   TrainingOptions training;
+  // The path's knots are where sweeps end, and those that stand still end where they begin.
+  training.refine_path = false;
   training.train.iterations = options.iterations;
   training.train.render = paper_options();
   fields_of(training).apply(drive.settings, "settings");
