@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/core/base/split.hpp"
+#include "host/core/base/spread.hpp"
 
 namespace simuli {
 namespace {
@@ -131,68 +132,48 @@ void mend_headings(Actor& actor, std::vector<std::string>& said) {
                                actor.track[k].time_s));
 }
 
-/// Poses at which the thing is for one label, where it can't have got to and come back from.
-class Places {
- public:
-  explicit Places(const std::vector<KeyPose>& track) : track_(track) {
-    std::vector<double> speeds;
-    for (std::size_t k = 1; k < track.size(); ++k) {
-      speeds.push_back(distance_m(k - 1, k) / (track[k].time_s - track[k - 1].time_s));
-    }
-    if (speeds.empty()) return;
-    const auto middle = speeds.begin() + std::ssize(speeds) / 2;
-    std::nth_element(speeds.begin(), middle, speeds.end());
-    most_m_per_s_ = *middle + kFaster_m_per_s;
-  }
+double distance_m(const std::vector<KeyPose>& track, std::size_t a, std::size_t b) {
+  return (track[a].world_from_actor.translation - track[b].world_from_actor.translation).norm();
+}
 
-  [[nodiscard]] bool is_off(std::size_t k) const {
-    const std::size_t count = track_.size();
-    if (count < 3) return false;
-    const std::size_t before = k == 0 ? 2 : k - 1, after = k + 1 == count ? count - 3 : k + 1;
-    // At an end, braking is like being off.
-    const double most_m_per_s = k == 0 || k + 1 == count ? kFastest_m_per_s : most_m_per_s_;
-    const auto can_get = [&](std::size_t a, std::size_t b) {
-      return distance_m(a, b) <= kPlace_m + most_m_per_s * std::abs(track_[b].time_s - track_[a].time_s);
-    };
-    return !can_get(before, k) && !can_get(k, after) && can_get(before, after);
-  }
-  /// The first that it can't have got to from the one before at any car's speed; 0: none.
-  [[nodiscard]] std::size_t first_wrong() const {
-    for (std::size_t k = 1; k < track_.size(); ++k) {
-      const double most_m = kPlace_m + kFastest_m_per_s * (track_[k].time_s - track_[k - 1].time_s);
-      if (distance_m(k - 1, k) > most_m) return k;
-    }
-    return 0;
-  }
-  [[nodiscard]] double distance_m(std::size_t a, std::size_t b) const {
-    return (track_[a].world_from_actor.translation - track_[b].world_from_actor.translation).norm();
-  }
+bool can_get(const std::vector<KeyPose>& track, std::size_t a, std::size_t b, double most_m_per_s) {
+  return distance_m(track, a, b) <= kPlace_m + most_m_per_s * std::abs(track[b].time_s - track[a].time_s);
+}
 
- private:
-  const std::vector<KeyPose>& track_;
-  double most_m_per_s_ = 0.0;
-};
+/// Whether it is where the thing can't have got to and come back from at that speed.
+bool is_off(const std::vector<KeyPose>& track, std::size_t k, double most_m_per_s) {
+  const std::size_t count = track.size();
+  if (count < 3) return false;
+  const std::size_t before = k == 0 ? 2 : k - 1, after = k + 1 == count ? count - 3 : k + 1;
+  if (k == 0 || k + 1 == count) most_m_per_s = kFastest_m_per_s;  // at an end, braking is like being off
+  return !can_get(track, before, k, most_m_per_s) && !can_get(track, k, after, most_m_per_s) &&
+         can_get(track, before, after, most_m_per_s);
+}
 
 void mend_places(Actor& actor, std::vector<std::string>& said) {
-  const std::size_t count = actor.track.size();
-  std::vector<KeyPose> kept;
-  const Places places(actor.track);
-  for (std::size_t k = 0; k < count; ++k) {
-    if (!places.is_off(k)) kept.push_back(actor.track[k]);
+  const std::vector<KeyPose> all = std::exchange(actor.track, {});
+  std::vector<KeyPose>& track = actor.track;
+  std::vector<double> speeds;
+  for (std::size_t k = 1; k < all.size(); ++k)
+    speeds.push_back(distance_m(all, k - 1, k) / (all[k].time_s - all[k - 1].time_s));
+  const double most_m_per_s = upper_median(std::move(speeds)) + kFaster_m_per_s;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (!is_off(all, k, most_m_per_s)) track.push_back(all[k]);
   }
-  if (kept.size() < count)
+  if (track.size() < all.size())
     said.push_back(fmt::format("label {}: {} of {} places are off those before and after, left out",
                                actor.name,
-                               count - kept.size(),
-                               count));
-  actor.track = std::move(kept);
-  const Places mended(actor.track);
-  if (const std::size_t k = mended.first_wrong(); k > 0)
+                               all.size() - track.size(),
+                               all.size()));
+  for (std::size_t k = 1; k < track.size(); ++k) {
+    if (can_get(track, k - 1, k, kFastest_m_per_s)) continue;
     said.push_back(fmt::format("label {}: gets {:.0f} m far in {:.2f} s at {:.2f} s, left as it is",
                                actor.name,
-                               mended.distance_m(k - 1, k),
-                               actor.track[k].time_s - actor.track[k - 1].time_s,
-                               actor.track[k].time_s));
+                               distance_m(track, k - 1, k),
+                               track[k].time_s - track[k - 1].time_s,
+                               track[k].time_s));
+    break;
+  }
 }
 
 /// Larger than anything that drives.
