@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/paper/drive_log.hpp"
 #include "bench/drives/drive_rows.hpp"
+#include "bench/paper/drive_log.hpp"
 #include "bench/paper/fit.hpp"
 
 namespace simuli::bench {

@@ -37,49 +37,6 @@ RenderOptions render_with(const Named& column) {
   return options;
 }
 
-/// Share of the light that held-out sweeps gather of the scene with exact extents and not with these, in %.
-double clipped_percent(const Device& device,
-                       const Log& log,
-                       const std::vector<std::size_t>& held_out,
-                       const Scene& scene,
-                       const Named& column) {
-  SceneOnDevice exact(device, borrowed(scene), render_with(kExact));
-  SceneOnDevice other(device, borrowed(scene), render_with(column));
-  double whole = 0.0, found = 0.0;
-  const auto gathered = [&](SceneOnDevice& on_device, const SweepFrame& frame) {
-    double sum = 0.0;
-    const SweepPair pair = render_sweep(on_device, log, frame);
-    for (const float left : pair.simulated.transmittance) sum += 1.0 - static_cast<double>(left);
-    return sum;
-  };
-  for (const std::size_t index : held_out) {
-    whole += gathered(exact, log.sweeps[index]);
-    found += gathered(other, log.sweeps[index]);
-  }
-  return 100.0 * (1.0 - found / whole);
-}
-
-/// Device time of the projection of held-out sweeps.
-Spread projection_ms(const Device& profiled,
-                     const Log& log,
-                     const std::vector<std::size_t>& held_out,
-                     const Scene& scene,
-                     const Named& column) {
-  SceneOnDevice on_device(profiled, borrowed(scene), render_with(column));
-  std::vector<double> samples;
-  for (int i = -1; i < kTimedSweeps; ++i) {
-    const SweepFrame& frame = log.sweeps[held_out[static_cast<std::size_t>(i + 1) % held_out.size()]];
-    profiled.profile().reset();
-    static_cast<void>(render_sweep(on_device, log, frame));
-    double ms = 0.0;
-    for (const ProfileRow& row : profiled.profile().rows()) {
-      if (row.kernel == "project") ms += row.total_ms;
-    }
-    if (i >= 0) samples.push_back(ms);  // the first launch compiles
-  }
-  return spread_of(std::move(samples));
-}
-
 struct Metric {
   const char* name;
   double SweepMetrics::*value;
@@ -151,9 +108,44 @@ class Table {
     return compare(device_, log_, scene, {.timed_renders = 1, .render = render_with(column)}).lidar;
   }
 
+  /// Share of the light that held-out sweeps gather of the scene with exact extents and not with these, in %.
+  double clipped_percent(const Scene& scene, const Named& column) {
+    SceneOnDevice exact(device_, borrowed(scene), render_with(kExact));
+    SceneOnDevice other(device_, borrowed(scene), render_with(column));
+    double whole = 0.0, found = 0.0;
+    const auto gathered = [&](SceneOnDevice& on_device, const SweepFrame& frame) {
+      double sum = 0.0;
+      const SweepPair pair = render_sweep(on_device, log_, frame);
+      for (const float left : pair.simulated.transmittance) sum += 1.0 - static_cast<double>(left);
+      return sum;
+    };
+    for (const std::size_t index : held_out_) {
+      whole += gathered(exact, log_.sweeps[index]);
+      found += gathered(other, log_.sweeps[index]);
+    }
+    return 100.0 * (1.0 - found / whole);
+  }
+
+  /// Device time of the projection of held-out sweeps.
+  Spread projection_ms(const Scene& scene, const Named& column) {
+    SceneOnDevice on_device(profiled_, borrowed(scene), render_with(column));
+    std::vector<double> samples;
+    for (int i = -1; i < kTimedSweeps; ++i) {
+      const SweepFrame& frame = log_.sweeps[held_out_[static_cast<std::size_t>(i + 1) % held_out_.size()]];
+      profiled_.profile().reset();
+      static_cast<void>(render_sweep(on_device, log_, frame));
+      double ms = 0.0;
+      for (const ProfileRow& row : profiled_.profile().rows()) {
+        if (row.kernel == "project") ms += row.total_ms;
+      }
+      if (i >= 0) samples.push_back(ms);  // the first launch compiles
+    }
+    return spread_of(std::move(samples));
+  }
+
   void add_costs(const std::string& base, const Scene& scene, const Named& column, std::vector<Row>& rows) {
-    rows.push_back({base + "/clipped", clipped_percent(device_, log_, held_out_, scene, column), "%", 0.0});
-    const Spread ms = projection_ms(profiled_, log_, held_out_, scene, column);
+    rows.push_back({base + "/clipped", clipped_percent(scene, column), "%", 0.0});
+    const Spread ms = projection_ms(scene, column);
     rows.push_back({base + "/projection_ms", ms.median, "ms", ms.half_iqr});
   }
 
