@@ -22,7 +22,7 @@ struct Pose {
   /// From the upper 3x4 of a matrix; the rotation block is replaced by the nearest rotation. Error{kInput}
   /// when it is no rotation to begin with (a reflection, scaled, not finite).
   static Pose from_matrix(const Eigen::Matrix<double, 3, 4>& a_from_b);
-  /// Error{kNumeric} naming `what` ("the sensor") unless it is within kFarthestInScene_m of b's origin
+  /// Error{kNumeric} naming `what` ("the sensor") unless it is within kFarthestInScene_m of a's origin
   /// and the quaternion's norm 1 within 1e-3.
   void check(const std::string& what) const;
 };
