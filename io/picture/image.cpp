@@ -160,14 +160,12 @@ void require_writable(const fs::path& file, const Image& image) {
   }
 }
 
-/// libjpeg ends the process beyond it.
 void need_jpeg_size(const fs::path& file, int width, int height) {
-  constexpr int kMostOfJpeg = 65500;
-  if (std::max(width, height) <= kMostOfJpeg) return;
+  if (std::max(width, height) <= kMostJpeg_px) return;
   throw_input_error(file.string(),
                     "picture",
                     fmt::format("{} x {} px", width, height),
-                    fmt::format("at most {} px a side of JPEG", kMostOfJpeg));
+                    fmt::format("at most {} px a side of JPEG", kMostJpeg_px));
 }
 
 void write_pixels(const fs::path& file, const PictureSamples& picture) {

@@ -7,6 +7,9 @@
 
 namespace simuli {
 
+/// Largest side of a JPEG: libjpeg ends the process beyond it.
+inline constexpr int kMostJpeg_px = 65500;
+
 /// Reads PNG, JPEG, EXR, ... as float RGB (grey is replicated, alpha dropped). A truncated or unreadable
 /// file, or one of more than 65 536 pixels a side, is Error{kInput} naming file and cause.
 [[nodiscard]] Image read_image(const std::filesystem::path& file);

@@ -23,7 +23,6 @@ struct ViewRequest {
   static constexpr double kMostPixels = 4096.0 * 4096.0;
   static constexpr double kFreeHalf_rad = 0.45;
   static constexpr int kMostSweeps = 100;
-  static constexpr double kTallest_px = 65535.0;  // of any JPEG
 
   std::string sensor;   // of the scene, or built in
   std::string quality;  // see --quality

@@ -228,16 +228,16 @@ std::pair<Sensor, Shot> ViewSession::still_of(const ViewRequest& request) const 
   // As scaled_camera() has it, for command_of(); of a scene's camera any number.
   const double wanted =
       request.height ? *request.height : std::max(1.0, std::ceil(request.width * aspect - 1e-9));
-  if (wanted > ViewRequest::kTallest_px || wanted * request.width > ViewRequest::kMostPixels) {
+  if (wanted > kMostJpeg_px || wanted * request.width > ViewRequest::kMostPixels) {
     throw Error(
         ErrorKind::kUsage,
-        fmt::format("width: found {}, a picture of {} x {:.0f} px, allowed {:.0f} pixels and {:.0f} from top "
+        fmt::format("width: found {}, a picture of {} x {:.0f} px, allowed {:.0f} pixels and {} from top "
                     "to bottom",
                     request.width,
                     request.width,
                     wanted,
                     ViewRequest::kMostPixels,
-                    ViewRequest::kTallest_px));
+                    kMostJpeg_px));
   }
   const int height = static_cast<int>(wanted);
   if (request.height) {

@@ -18,8 +18,6 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "buffers of replies are little-endian");
 
-constexpr double kTallestJpeg_px = 65500.0;
-
 Camera camera_before_size(const ServedScene& scene, const proto::CameraSpec& spec) {
   const Sensor* const own = scene.find_camera(spec.logical_id());
   if (own == nullptr) return camera_of(spec);
@@ -55,11 +53,11 @@ double probability(float value, const char* field) {
 
 Camera requested_camera(const ServedScene& scene, const proto::RGBRenderRequest& request) {
   const double width = request.resolution_w(), height = request.resolution_h();
-  if (width < 1.0 || height < 1.0 || width > kTallestJpeg_px || height > kTallestJpeg_px ||
+  if (width < 1.0 || height < 1.0 || width > kMostJpeg_px || height > kMostJpeg_px ||
       width * height > kMostPixels) {
     refuse("resolution",
            fmt::format("{:.0f} x {:.0f} px", width, height),
-           fmt::format("1 to {:.0f} a side, {:.0f} pixels at most", kTallestJpeg_px, kMostPixels));
+           fmt::format("1 to {} a side, {:.0f} pixels at most", kMostJpeg_px, kMostPixels));
   }
   const Camera camera = camera_before_size(scene, request.camera_intrinsics());
   const int columns = static_cast<int>(width), rows = static_cast<int>(height);
