@@ -94,7 +94,7 @@ class UnifiedTrainer {
         camera_.particles,
         camera_.grads,
         keys_,
-        {row_rates(options_.camera, camera_.particles.sh_degree, progress),
+        {row_rates(paced(options_.camera, options_.iterations), camera_.particles.sh_degree, progress),
          row_epsilons(camera_.particles.sh_degree, look_.harmonics_epsilon(camera_.particles.count))});
     const std::vector<float> params = camera_.particles.params.download_float();
     lidar_.particles.params.as_float().upload_at(0, std::span<const float>(params).first(kShRow * stride));

@@ -40,6 +40,12 @@ std::vector<double> row_epsilons(int sh_degree, double colour_epsilon) {
   return row;
 }
 
+LearningRates paced(LearningRates rates, int iterations) {
+  constexpr double kSettled = 1500.0, kMost = 3.0;
+  rates.log_scale *= std::clamp(std::cbrt(kSettled / std::max(iterations, 1)), 1.0, kMost);
+  return rates;
+}
+
 std::vector<double> row_rates(const LearningRates& rates, int sh_degree, double progress) {
   const double cooled = std::max(0.0, progress - (1.0 - kCoolDown)) / kCoolDown;
   const double last = 1.0 - (1.0 - rates.last_share) * cooled;

@@ -183,6 +183,10 @@ TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, con
   status.psnr_db = status.distance_m = status.drop_accuracy = std::numeric_limits<double>::quiet_NaN();
 }
 
+LearningRates TrainerState::rates(SetNumber number) const {
+  return paced(number == kCameraSet ? options.camera : options.lidar, options.iterations);
+}
+
 StateList TrainerState::list(const std::string& settings) {
   StateList states;
   states.add_fixed(kSettings, settings);

@@ -42,6 +42,9 @@ struct TrainerState {
                             const std::string& settings,
                             const TrainOptions& options);
 
+  /// Of a set in the stage of training that is on.
+  [[nodiscard]] LearningRates rates(SetNumber number) const;
+
   const Log& log;
   Scene scene;
   double actor_margin_m = 0.0;

@@ -37,13 +37,11 @@ ShownShard Lesson::particles_alone(Pass pass, double loss) {
 
 void Lesson::step_particles(const Shards& shards) {
   const int degree = set_.particles.sh_degree;
-  const bool is_camera = number_ == kCameraSet;
-  const LearningRates& rates = is_camera ? state_.options.camera : state_.options.lidar;
-  const double epsilon = is_camera ? state_.look.harmonics_epsilon(set_.particles.count) : 0.0;
+  const double epsilon = number_ == kCameraSet ? state_.look.harmonics_epsilon(set_.particles.count) : 0.0;
   set_.adam.run(set_.particles,
                 shards.grads(),
                 shards.keys(),
-                {row_rates(rates, degree, progress_), row_epsilons(degree, epsilon)});
+                {row_rates(state_.rates(number_), degree, progress_), row_epsilons(degree, epsilon)});
 }
 
 void Lesson::differentiate(Pass& pass, ShardPart& part, RealBuffer& error) {
@@ -61,12 +59,7 @@ void Lesson::step_set(const std::vector<ShardPart>& parts,
   const int iteration = state_.status.iteration;
   if (number_ == kCameraSet && parts.size() > 1) state_.structure.settle_anchors(shards.keys(), iteration);
   step_particles(shards);
-  state_.structure.jitter(set_,
-                          number_,
-                          number_ == kCameraSet ? state_.options.camera : state_.options.lidar,
-                          shards.keys(),
-                          iteration,
-                          progress_);
+  state_.structure.jitter(set_, number_, state_.rates(number_), shards.keys(), iteration, progress_);
   if (set_.particles.actors == 0) return;
   state_.renderer.confine(set_.particles, state_.scene.actors, state_.actor_margin_m);
   for (std::size_t i = 0; i < parts.size() && set_.poses.learns(); ++i) {

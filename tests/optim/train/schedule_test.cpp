@@ -72,6 +72,20 @@ TEST(RowRates, EachGroupHasItsRate) {
   EXPECT_NEAR(row_rates(rates, 0, 1.0)[kOpacityRow], 0.5 * 0.01 * rates.opacity, 1e-15);
 }
 
+TEST(RowRates, MoveScalesFasterInShortTrainings) {
+  const LearningRates rates;
+  const auto scale = [&rates](int iterations) {
+    return paced(rates, iterations).log_scale / rates.log_scale;
+  };
+  EXPECT_EQ(scale(1500), 1.0);
+  EXPECT_EQ(scale(3000), 1.0);
+  EXPECT_NEAR(scale(300), std::cbrt(5.0), 1e-12);
+  EXPECT_EQ(scale(20), 3.0);
+  EXPECT_EQ(scale(0), 3.0);
+  EXPECT_EQ(paced(rates, 20).mean_m, rates.mean_m);
+  EXPECT_EQ(paced(rates, 20).opacity, rates.opacity);
+}
+
 TEST(RowEpsilons, AreOfColoursAlone) {
   const std::vector<double> rows = row_epsilons(1, 1e-6);
   ASSERT_EQ(rows.size(), static_cast<std::size_t>(param_rows(1)));

@@ -121,7 +121,8 @@ TEST_F(ShardsTest, AStepTakesTheMeanOfItsFrames) {
   EXPECT_TRUE((one.camera.params.array() == four.camera.params.array()).all());
   EXPECT_TRUE((one.lidar.params.array() == four.lidar.params.array()).all());
   EXPECT_FALSE((one.camera.params.array() == three.camera.params.array()).all());
-  EXPECT_LT((one.lidar.params - three.lidar.params).cwiseAbs().maxCoeff(), 2e-2F);
+  EXPECT_LT((one.lidar.params - three.lidar.params).cwiseAbs().maxCoeff(),
+            5e-2F);  // scales move by 0.12 a step
 }
 
 TEST_F(ShardsTest, FramesAreSeenInTheOrderOfOneShard) {

@@ -122,7 +122,8 @@ TEST_F(TrainerLook, TheEnvironmentKeepsTheGroundsColoursAndIsNoStandInForIt) {
     for (std::size_t i = from; i < through.size(); ++i) sum += 1.0 - static_cast<double>(through[i]);
     return sum / static_cast<double>(through.size() - from);
   };
-  EXPECT_GT(opacity(with), opacity(without) + 0.1) << opacity(with) << " and " << opacity(without);
+  EXPECT_LT(1.0 - opacity(with), 0.5 * (1.0 - opacity(without)))
+      << opacity(with) << " and " << opacity(without);
 }
 
 /// Adam takes as long steps by a trace of a gradient as by all of it: texels of which pictures show a

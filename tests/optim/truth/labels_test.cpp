@@ -128,7 +128,7 @@ TEST_F(LabelTruth, MasksAndFlowAreTheStreets) {
   const Log log = synth_street(options);
   TrainingOptions how;
   how.frames.image_scale = 1.0;
-  how.train.iterations = 60;
+  how.train.iterations = 200;
   Training training(test::device(), log, how);
   training.run();
   const Scene scene = training.result().scene;
