@@ -103,6 +103,7 @@ TEST_F(ShardsTest, AStepTakesTheMeanOfItsFrames) {
   log.sweeps.resize(1);
   TrainingOptions o;
   o.train.iterations = 3;
+  o.train.lidar.log_scale /= 3.0;  // as slow as in a long training: thirds round by a step
   o.train.shards.rate_power = 0.0;
   o.train.densify.every = 0;
   o.train.ray_drop.rate = 0.0;                     // several steps of the function a sweep
@@ -121,8 +122,7 @@ TEST_F(ShardsTest, AStepTakesTheMeanOfItsFrames) {
   EXPECT_TRUE((one.camera.params.array() == four.camera.params.array()).all());
   EXPECT_TRUE((one.lidar.params.array() == four.lidar.params.array()).all());
   EXPECT_FALSE((one.camera.params.array() == three.camera.params.array()).all());
-  EXPECT_LT((one.lidar.params - three.lidar.params).cwiseAbs().maxCoeff(),
-            5e-2F);  // scales move by 0.12 a step
+  EXPECT_LT((one.lidar.params - three.lidar.params).cwiseAbs().maxCoeff(), 2e-2F);
 }
 
 TEST_F(ShardsTest, FramesAreSeenInTheOrderOfOneShard) {

@@ -92,6 +92,7 @@ TEST_F(TrainerLook, TheEnvironmentKeepsTheGroundsColoursAndIsNoStandInForIt) {
     TrainingOptions o = options(60);
     o.train.depth.weight = o.train.beside.weight = 0.0;
     o.train.lidar_every = 1000;
+    o.train.camera.log_scale /= 3.0;  // as slow as in a long training: else particles grow over the holes
     Trainer trainer(test::device(), log, start, o);
     trainer.run();
     return trainer.scene();
@@ -122,8 +123,7 @@ TEST_F(TrainerLook, TheEnvironmentKeepsTheGroundsColoursAndIsNoStandInForIt) {
     for (std::size_t i = from; i < through.size(); ++i) sum += 1.0 - static_cast<double>(through[i]);
     return sum / static_cast<double>(through.size() - from);
   };
-  EXPECT_LT(1.0 - opacity(with), 0.5 * (1.0 - opacity(without)))
-      << opacity(with) << " and " << opacity(without);
+  EXPECT_GT(opacity(with), opacity(without) + 0.1) << opacity(with) << " and " << opacity(without);
 }
 
 /// Adam takes as long steps by a trace of a gradient as by all of it: texels of which pictures show a
