@@ -6,9 +6,8 @@
 #define SIM_FAR_M R(1e6)        // where rays that meet nothing end
 #define SIM_SAME_DEPTH R(0.03)  // of the distance: what lies that far off a cell's is seen there all the same
 #define SIM_OTHER_DEPTH R(0.06)  // and that much further it is something else
-#define SIM_NEAR_RAD R(0.1)      // a view that looks along another direction tells less
+#define SIM_NEAR_RAD R(0.1)      // a view that looks along another direction tells less: half of that there
 #define SIM_SEEN_ALONE R(1e-3)   // the least that it tells
-#define SIM_HALF_LOOKS R(3.0)    // half of what further looks add
 #define SIM_APART_M R(0.01)      // half of what it tells when a ray's median and mean distance differ by more
 #define SIM_LEAST_EXPONENT R(-80.0)
 
@@ -210,8 +209,8 @@ __kernel void support(const FrameParams frame,
   }
 
   F odds = fma(told.odds, R(1.0) / VMAX(told.weight, (F)R(1e-9)), (F)asked->bias);
-  odds = fma(told.looks / (told.looks + SIM_HALF_LOOKS), (F)asked->looks, odds);
-  odds = fma(sqrt(told.angle2), (F)asked->angle, odds);
+  const F angle = sqrt(told.angle2);
+  odds = fma(angle / (angle + SIM_NEAR_RAD), (F)asked->angle, odds);
   odds = fma(told.scale, (F)asked->scale, odds);
   const F at_all = R(1.0) - exp_lanes(VMAX(told.looks * R(-4.0), (F)SIM_LEAST_EXPONENT));
   const I known = AND(is_one, told.looks > R(0.0));

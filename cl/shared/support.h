@@ -20,9 +20,9 @@ SIM_REALS_END(SupportPose);
 
 SIM_REALS(SupportFrame) {
   SIM_REALS_OF(SupportPose) start, end;  // scene from sensor
-  // Of the logarithm of odds: a bias, by looks, angle and scale; of LiDARs by doubt whether a ray returns, its drop
+  // Of the logarithm of odds: a bias, by angle and scale; of LiDARs by doubt whether a ray returns, its drop
   // probability, and how far median and mean distance are apart.
-  real bias, looks, angle, scale, doubt, drop, apart;
+  real bias, angle, scale, doubt, drop, apart;
 }
 SIM_REALS_END(SupportFrame);
 

@@ -51,18 +51,19 @@ inline constexpr double kSupportRange_m = 0.02;
 
 /// Recorded views that one frame is compared with, at most.
 inline constexpr std::size_t kMostSupportViews = 8;
-/// Of the record's views of that kind those nearest to a point (m, world), and as many of the others, evenly
-/// spread by distance.
+/// Of the record's views of that kind, of cameras those nearest to a sensor, of which one that looks to its side counts
+/// as 10 m farther and one that looks back as 20 m; of LiDARs half as many, and as many of the others, evenly spread
+/// by distance. world_from_view: in the grid's axes.
 [[nodiscard]] std::vector<std::size_t> support_views_around(const SupportRecord& record,
                                                             SetKind kind,
-                                                            const Eigen::Vector3d& p_world);
+                                                            const Pose& world_from_view);
 
-/// The logarithm of the odds is a constant plus these times looks / (looks + 3), the least angle (its chord)
-/// to a ray that saw the point, the finest look over this one (at most 1), mean ln of error and of contrast,
-/// the depth of the cells over the distance, and of a LiDAR's ray 4 p (1 - p) and p, its drop probability,
-/// and x / (x + 1 cm), x by how much the mean and the median of where its light comes from differ.
+/// The logarithm of the odds is a constant plus these times a / (a + 0.1), a the least angle (its chord) to a
+/// ray that saw the point, the finest look over this one (at most 1), mean ln of error and of contrast, the
+/// depth of the cells over the distance, and of a LiDAR's ray 4 p (1 - p) and p, its drop probability, and
+/// x / (x + 1 cm), x by how much the mean and the median of where its light comes from differ.
 struct SupportTrust {
-  double constant, looks, angle, scale, error, contrast, edge, doubt, drop, apart;
+  double constant, angle, scale, error, contrast, edge, doubt, drop, apart;
 };
 [[nodiscard]] const SupportTrust& support_trust(SetKind kind);
 

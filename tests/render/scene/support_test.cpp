@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <numbers>
+#include <string>
 
 #include "host/core/base/error.hpp"
 #include "host/device/render/options/quality.hpp"
@@ -74,7 +76,7 @@ std::vector<Expected> expected(const SupportRecord& record, const Frame& frame, 
   const RayResults& rays = frame.results();
   const Pose world_from_sensor = frame.shot().pose_at(0.5);
   const auto views = support_views_around(
-      record, is_camera ? SetKind::kCamera : SetKind::kLidar, world_from_sensor.translation);
+      record, is_camera ? SetKind::kCamera : SetKind::kLidar, forward_view(sensor, world_from_sensor));
   const double rays_now = is_camera ? rays_per_rad(sensor.camera()) : rays_per_rad(sensor.lidar());
   const auto now = actors_during(scene.actors, frame.shot(), Eigen::Vector3d::Zero());
   const SupportTrust& trust = support_trust(is_camera ? SetKind::kCamera : SetKind::kLidar);
@@ -139,9 +141,8 @@ std::vector<Expected> expected(const SupportRecord& record, const Frame& frame, 
     }
     const double inv = 1.0 / std::max(weights, 1e-9);
     Expected one{.at_all = 1.0 - std::exp(-4.0 * looks)};
-    one.odds = trust.constant + trust.looks * looks / (looks + 3.0) + trust.angle * angle +
-               trust.scale * finest + trust.error * error * inv + trust.contrast * contrast * inv +
-               trust.edge * edge * inv;
+    one.odds = trust.constant + trust.angle * angle / (angle + 0.1) + trust.scale * finest +
+               trust.error * error * inv + trust.contrast * contrast * inv + trust.edge * edge * inv;
     if (!is_camera) {
       const double drop = 1.0 / (1.0 + std::exp(-static_cast<double>(rays.drop_logit[i])));
       one.own_odds = trust.doubt * 4.0 * drop * (1.0 - drop) + trust.drop * drop;
@@ -393,14 +394,40 @@ TEST(SupportOnDevice, NeedsARecord) {
   }
 }
 
-TEST(SupportViews, AreThoseNearbyAndSomeOfTheOthers) {
+Pose at_m(const Eigen::Vector3d& position_m, double yaw_rad = 0.0) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ())), position_m};
+}
+
+TEST(SupportViews, OfARigsCamerasLookTheSameWay) {
+  SupportRecord record;
+  constexpr std::size_t kCameras = 6;
+  for (std::size_t c = 0; c < kCameras; ++c)
+    record.sensors.push_back({std::to_string(c), SetKind::kCamera, {}});
+  for (std::size_t i = 0; i < 20 * kCameras; ++i) {
+    const double yaw_rad = static_cast<double>(i % kCameras) * 2.0 * std::numbers::pi / kCameras;
+    const Eigen::Vector3d position_m(0.3 * static_cast<double>(i / kCameras), 0.0, 0.0);
+    record.views.push_back(
+        {i % kCameras, 0.1 * static_cast<double>(i / kCameras), at_m(position_m, yaw_rad)});
+  }
+  // Half-way between the directions of two of them, nearer to one's.
+  const double yaw_rad = 2.4 * 2.0 * std::numbers::pi / kCameras;
+  const auto views = support_views_around(record, SetKind::kCamera, at_m({3.0, 0.0, 0.0}, yaw_rad));
+  ASSERT_EQ(views.size(), kMostSupportViews);
+  EXPECT_EQ(record.views[views.front()].sensor, 2U);
+  for (const std::size_t v : views) {
+    EXPECT_TRUE(record.views[v].sensor == 2 || record.views[v].sensor == 3) << record.views[v].sensor;
+    EXPECT_LT(std::abs(record.views[v].world_from_view.translation.x() - 3.0), 2.5);
+  }
+}
+
+TEST(SupportViews, OfALidarAreThoseNearbyAndSomeOfTheOthers) {
   SupportRecord record;
   record.sensors = {{"camera", SetKind::kCamera, {}}, {"lidar", SetKind::kLidar, {}}};
   for (std::size_t i = 0; i < 200; ++i) {
     const auto x_m = static_cast<double>(i);
     record.views.push_back({i % 2, 0.1 * x_m, {Eigen::Quaterniond::Identity(), {x_m, 0.0, 0.0}}});
   }
-  const auto views = support_views_around(record, SetKind::kLidar, {100.0, 0.0, 0.0});
+  const auto views = support_views_around(record, SetKind::kLidar, at_m({100.0, 0.0, 0.0}));
   ASSERT_EQ(views.size(), kMostSupportViews);
   std::size_t near = 0;
   for (const std::size_t v : views) {
