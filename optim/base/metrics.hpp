@@ -10,11 +10,15 @@ namespace simuli {
 /// Peak signal-to-noise ratio in dB of pictures in [0,1] of equal size; identical pictures give +inf. Values
 /// below 0 in `truth` are not known (camera_mask.hpp) and have no part in it; NaN where none is known.
 [[nodiscard]] double psnr_db(const Image& rendered, const Image& truth);
-/// `rendered` through the affine transform of its colours (3 x 4 for three channels) that brings it nearest to
-/// `truth` in least squares, clipped to [0,1]; a pixel that is known counts `weight[pixel]`, or 1 without any.
+/// kQuadratic: another camera's tone curve, too.
+enum class Tone { kAffine, kQuadratic };
+/// `rendered` through the transform of its colours (3 x 4 for three channels, of these and 1; kQuadratic 3 x 7, of
+/// their squares, too) that brings it nearest to `truth` in least squares, clipped to [0,1]; a pixel that is known
+/// counts `weight[pixel]`, or 1 without any.
 [[nodiscard]] Image colour_corrected(const Image& rendered,
                                      const Image& truth,
-                                     const std::vector<float>& weight = {});
+                                     const std::vector<float>& weight = {},
+                                     Tone tone = Tone::kAffine);
 /// psnr_db() of colour_corrected(): what is not a matter of exposure and white balance. At least psnr_db().
 [[nodiscard]] double psnr_corrected_db(const Image& rendered, const Image& truth);
 /// SSIM, 11x11 Gaussian window of sigma 1.5, valid region only, K1 = 0.01, K2 = 0.03, mean over channels. A

@@ -118,14 +118,19 @@ double psnr_db(const Image& rendered, const Image& truth) {
   return -10.0 * std::log10(mean_square);  // log10(0) = -inf: identical pictures give +inf
 }
 
-Image colour_corrected(const Image& rendered, const Image& truth, const std::vector<float>& weight) {
+Image colour_corrected(const Image& rendered,
+                       const Image& truth,
+                       const std::vector<float>& weight,
+                       Tone tone) {
   check_pair("colour_corrected", rendered, truth, 1);
   using Pixels = Eigen::Map<const Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
   const Eigen::Index channels = truth.channels;
   const auto pixels = static_cast<Eigen::Index>(truth.data.size()) / channels;
   const Pixels from(rendered.data.data(), pixels, channels), to(truth.data.data(), pixels, channels);
-  Eigen::MatrixXd coloured = Eigen::MatrixXd::Ones(pixels, channels + 1);
+  const bool bends = tone == Tone::kQuadratic;
+  Eigen::MatrixXd coloured = Eigen::MatrixXd::Ones(pixels, 1 + (bends ? 2 : 1) * channels);
   coloured.leftCols(channels) = from.matrix().cast<double>();
+  if (bends) coloured.rightCols(channels) = from.square().matrix().cast<double>();
   Eigen::VectorXd counts = (to.rowwise().minCoeff() >= 0.0F).matrix().cast<double>();
   if (!weight.empty()) counts.array() *= Pixels(weight.data(), pixels, 1).cast<double>();
   // Of grey and of plain pictures many transforms are as near: the least one.

@@ -40,12 +40,12 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
   return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 0.0;
 }
 
-/// Without the tint that the supported pixels have in common: the affine transform of least absolute errors, by
-/// least squares whose weights follow them. What is wrong in places must not move it.
+/// Without the tint and tone curve that the supported pixels have in common: the transform of least absolute errors,
+/// by least squares whose weights follow them. What is wrong in places must not move it.
 Image without_tint(const Image& rendered, const Image& truth, const std::vector<float>& support) {
   constexpr int kRounds = 6;
   constexpr float kSupported = 0.5F;
-  constexpr std::ptrdiff_t kFewest = 100;  // twelve numbers are fitted
+  constexpr std::ptrdiff_t kFewest = 100;  // twenty-one numbers are fitted
   const auto is_supported = [](float known) { return known > kSupported; };
   if (std::count_if(support.begin(), support.end(), is_supported) < kFewest) return rendered;
   constexpr double kLeastError = 0.02;
@@ -57,7 +57,7 @@ Image without_tint(const Image& rendered, const Image& truth, const std::vector<
       const double error = round == 0 ? 1.0 : colour_error(corrected, truth, i);
       weight[i] = static_cast<float>(1.0 / std::max(error, kLeastError));
     }
-    corrected = colour_corrected(rendered, truth, weight);
+    corrected = colour_corrected(rendered, truth, weight, Tone::kQuadratic);
   }
   return corrected;
 }
