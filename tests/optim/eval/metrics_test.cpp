@@ -168,6 +168,14 @@ TEST(PsnrCorrected, SeesNoTint) {
   EXPECT_LT(psnr_corrected_db(other, truth), 12.0);  // no transform of one makes the other
 }
 
+TEST(ColourCorrected, FollowsAToneCurveWhereAsked) {
+  const Image rendered = noise(16, 12, 3, 11);
+  Image truth = rendered;
+  for (float& value : truth.data) value = 0.05F + 0.3F * value + 0.6F * value * value;
+  EXPECT_LT(psnr_db(colour_corrected(rendered, truth), truth), 35.0);
+  EXPECT_GT(psnr_db(colour_corrected(rendered, truth, {}, Tone::kQuadratic), truth), 100.0);
+}
+
 TEST(PsnrCorrected, IsNeverBelowThePlainOne) {
   const Image truth = noise(16, 12, 3, 7);
   EXPECT_TRUE(std::isinf(psnr_corrected_db(truth, truth)));
