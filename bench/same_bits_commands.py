@@ -87,7 +87,7 @@ def write_points(run):
 
 def cut_drive(run):
     """The first frames of drive 0013."""
-    frames, source = 16, pathlib.Path(DATA) / "kitti/2011_09_26"
+    frames, source = 30, pathlib.Path(DATA) / "kitti/2011_09_26"
     for file in source.rglob("*"):
         to = run.folder / "2011_09_26" / file.relative_to(source)
         if not file.is_file() or (file.stem.isdigit() and int(file.stem) >= frames):
