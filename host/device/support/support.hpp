@@ -17,15 +17,15 @@ namespace simuli {
 using ActorCopies = std::map<std::string, std::string>;
 
 /// Tells of every ray of a frame, in [0, 1], how well what it shows is known from the frames that the scene
-/// was made of: from how many of them its point was seen, from how near in angle, how finely, how wrong the
-/// scene is there in the recorded frames and how much goes on there; of a LiDAR also how sure it is that the
-/// ray returns, or does not, and from one distance. A pixel's is the share of pixels alike whose colour is
-/// within kSupportColour of the truth (mean of the channels), a LiDAR ray's that of rays which return within
-/// kSupportRange_m of the truth, or rightly don't: as measured on the demo's street off its path
-/// (docs/METHOD.md section 16). 0 where no recorded frame saw what is shown. The frame stays as it is: its
-/// bits are the same with support and without. Of four neighbours (pixels of a row, firings of a beam) one is
-/// looked up in recorded frames, of pictures finer than those of up to 4 x 4 pixels, at most a quarter of one
-/// of the record's cells; whether a LiDAR's rays return is told of each by itself.
+/// was made of: whether its point was seen in them, from how near in angle, how finely, how wrong the scene is
+/// there in the recorded frames and how much goes on there; of a LiDAR also how sure it is that the ray
+/// returns, or does not, and from one distance. A pixel's is the share of pixels alike whose colour is within
+/// kSupportColour of the truth (mean of the channels), a LiDAR ray's that of rays which return within
+/// kSupportRange_m of the truth, or rightly don't: as measured on the demo's street off its path, pixels' also
+/// on what drives held out (docs/METHOD.md section 16). 0 where no recorded frame saw what is shown. The frame
+/// stays as it is: its bits are the same with support and without. Of four neighbours (pixels of a row, firings
+/// of a beam) one is looked up in recorded frames, of pictures finer than those of up to 4 x 4 pixels, at most
+/// a quarter of one of the record's cells; whether a LiDAR's rays return is told of each by itself.
 class SupportOnDevice {
  public:
   /// Error{kUsage} without a record: the scene was trained before there were any, or not at all.

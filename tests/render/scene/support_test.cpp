@@ -154,9 +154,10 @@ std::vector<Expected> expected(const SupportRecord& record, const Frame& frame, 
   return out;
 }
 
-Pose beside(double left_m, double yaw_rad) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ())), {0.0, left_m, 0.0}};
+Pose at_m(const Eigen::Vector3d& position_m, double yaw_rad = 0.0) {
+  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ())), position_m};
 }
+Pose beside(double left_m, double yaw_rad) { return at_m({0.0, left_m, 0.0}, yaw_rad); }
 
 /// Where the sensor stands `left_m` to the left of where at_origin() has it.
 Shot shot_beside(const Sensor& sensor, double left_m, double yaw_rad = 0.0) {
@@ -392,10 +393,6 @@ TEST(SupportOnDevice, NeedsARecord) {
     EXPECT_EQ(error.kind(), ErrorKind::kUsage);
     EXPECT_NE(std::string(error.what()).find("train it anew"), std::string::npos);
   }
-}
-
-Pose at_m(const Eigen::Vector3d& position_m, double yaw_rad = 0.0) {
-  return {Eigen::Quaterniond(Eigen::AngleAxisd(yaw_rad, Eigen::Vector3d::UnitZ())), position_m};
 }
 
 TEST(SupportViews, OfARigsCamerasLookTheSameWay) {
