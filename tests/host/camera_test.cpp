@@ -115,6 +115,8 @@ TEST(Camera, ValidateNamesTheFieldThatIsWrong) {
   refused("height_px", [](Camera& c) { c.height = 65537; });
   refused("fx_px", [](Camera& c) { c.fx = 0.0; });
   refused("fx_px", [](Camera& c) { c.fx = kNan; });
+  refused("fx_px", [](Camera& c) { c.fx = 0.9e-3 * c.width; });
+  refused("fy_px", [](Camera& c) { c.fy = 1.1e6 * c.height; });
   refused("fy_px", [](Camera& c) { c.fy = std::numeric_limits<double>::infinity(); });
   refused("cx_px", [](Camera& c) { c.cx = kNan; });
   refused("cy_px", [](Camera& c) { c.cy = -std::numeric_limits<double>::infinity(); });

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 #include "host/core/base/error.hpp"
@@ -142,9 +143,16 @@ void validate(const Camera& camera, const std::string& file) {
       throw_input_error(file, prefix + field, std::to_string(value), fmt::format("1 to {}", kLargestSide_px));
     }
   }
-  for (const auto& [field, value] : {std::pair{"fx_px", camera.fx}, {"fy_px", camera.fy}}) {
-    if (!(value > 0.0) || !std::isfinite(value)) {
-      throw_input_error(file, prefix + field, fmt::format("{}", value), "finite and above 0");
+  // In sides of the picture: at a thousandth a pinhole's picture spans 179.8 degrees, at a million 0.2 arc seconds.
+  constexpr double kShortest = 1e-3, kLongest = 1e6;
+  for (const auto& [field, value, side_px] :
+       {std::tuple{"fx_px", camera.fx, camera.width}, {"fy_px", camera.fy, camera.height}}) {
+    if (!(value >= kShortest * side_px && value <= kLongest * side_px)) {
+      throw_input_error(
+          file,
+          prefix + field,
+          fmt::format("{}", value),
+          fmt::format("{:g} to {:g} (of {} px)", kShortest * side_px, kLongest * side_px, side_px));
     }
   }
   for (const auto& [field, value] : {std::pair{"cx_px", camera.cx}, {"cy_px", camera.cy}}) {
