@@ -4,8 +4,8 @@
 #include <numbers>
 #include <utility>
 
+#include "host/core/base/splitmix.hpp"
 #include "host/core/scene/particle_order.hpp"
-#include "host/core/scene/splitmix.hpp"
 
 namespace simuli {
 namespace {

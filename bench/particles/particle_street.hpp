@@ -2,8 +2,8 @@
 // A scene of any size for measurements, made up of nothing but a seed.
 #include <cstdint>
 
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/gaussians.hpp"
-#include "host/core/scene/pose.hpp"
 
 namespace simuli {
 

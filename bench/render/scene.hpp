@@ -1,6 +1,6 @@
 #pragma once
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/gaussians.hpp"
-#include "host/core/scene/pose.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "host/device/render/scene/sensor_rays.hpp"
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 
 namespace simuli {
 

@@ -2,8 +2,8 @@
 #include <string>
 #include <vector>
 
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/ground/ground_map.hpp"
-#include "host/core/scene/pose.hpp"
 
 namespace simuli {
 

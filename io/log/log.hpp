@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/actor.hpp"
-#include "host/core/scene/pose.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "host/core/sensors/lidar_model.hpp"
 #include "host/core/sensors/trajectory.hpp"

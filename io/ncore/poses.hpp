@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "io/base/json_reader.hpp"
 
 namespace simuli::ncore {

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "io/ros2/cdr.hpp"
 
 namespace simuli::ros2 {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/actor_label.hpp"
-#include "host/core/scene/pose.hpp"
 #include "host/core/sensors/sensor.hpp"
 
 namespace simuli {

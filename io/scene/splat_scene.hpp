@@ -3,7 +3,7 @@
 // large it is, and has no sensors and no path.
 #include <filesystem>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "io/splat/splat_file.hpp"
 

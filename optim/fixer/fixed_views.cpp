@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "host/core/scene/splitmix.hpp"
+#include "host/core/base/splitmix.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
 #include "host/device/support/support.hpp"
 #include "io/log/camera_mask.hpp"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "host/core/base/image.hpp"
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "host/core/sensors/camera.hpp"
 
 namespace simuli {

@@ -3,7 +3,7 @@
 // rings that they leave on it.
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/ground/ground_map.hpp"
 #include "optim/points/points.hpp"
 

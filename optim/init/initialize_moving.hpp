@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "host/core/sensors/lidar.hpp"
 #include "io/log/log.hpp"
 #include "optim/points/points.hpp"

@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "io/picture/image.hpp"
 #include "optim/points/points.hpp"

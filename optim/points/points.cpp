@@ -11,7 +11,7 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/interruption.hpp"
 #include "host/core/base/parallel.hpp"
-#include "host/core/scene/splitmix.hpp"
+#include "host/core/base/splitmix.hpp"
 #include "optim/points/point_tree.hpp"
 
 namespace simuli {

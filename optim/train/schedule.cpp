@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "host/core/scene/splitmix.hpp"
+#include "host/core/base/splitmix.hpp"
 #include "host/device/render/train/adam.hpp"
 
 namespace simuli {

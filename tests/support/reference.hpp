@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/gaussians.hpp"
-#include "host/core/scene/pose.hpp"
 #include "host/core/scene/ray_drop.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "host/core/sensors/lidar.hpp"

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/gaussians.hpp"
-#include "host/core/scene/pose.hpp"
 #include "host/core/scene/ray_drop.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "host/core/sensors/lidar.hpp"

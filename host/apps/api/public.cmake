@@ -1,26 +1,26 @@
 # What libsimuli shows: each installed header, and the headers of the tree that it is made of, in order.
 # Nothing else becomes public, whatever includes what: headers.cmake refuses a header that needs one which is in
 # no line above it. A header of calibration is there when the library has it (SIMULI_CALIBRATION).
-set(SIMULI_PUBLIC base scene sensors device options render log files export import training evaluation)
+set(SIMULI_PUBLIC base sensors scene device options render log files export import training evaluation)
 if(SIMULI_CALIBRATION)
   list(APPEND SIMULI_PUBLIC calibration)
 endif()
 
 set(SIMULI_PUBLIC_base
-  "Errors, version, pictures, clouds, and the keys of options."
+  "Errors, version, pictures, clouds, poses, and the keys of options."
   host/core/base/version.hpp host/core/base/one_line.hpp host/core/base/error.hpp host/core/base/image.hpp host/core/base/point_cloud.hpp
-  host/core/base/allowed.hpp
+  host/core/base/pose.hpp host/core/base/allowed.hpp
   host/core/base/fields.hpp host/core/base/interruption.hpp host/core/base/precision.hpp)
-set(SIMULI_PUBLIC_scene
-  "Scenes: particles, actors, appearance, and edits of them."
-  host/core/scene/pose.hpp host/core/scene/mounting.hpp host/core/scene/gaussians.hpp host/core/scene/appearance.hpp host/core/scene/actor.hpp
-  host/core/scene/ray_drop.hpp host/core/scene/pixel_footprint.hpp host/core/scene/vistas.hpp host/core/scene/scene.hpp host/core/scene/occluders.hpp
-  host/core/scene/edit.hpp host/core/scene/moment.hpp)
 set(SIMULI_PUBLIC_sensors
   "Cameras, LiDARs and the paths that carry them."
   host/core/sensors/lens.hpp host/core/sensors/camera.hpp host/core/sensors/lidar.hpp host/core/sensors/ray_list.hpp
   host/core/sensors/lidar_model.hpp host/core/sensors/lidar_library.hpp host/core/sensors/trajectory.hpp
   host/core/sensors/sensor.hpp)
+set(SIMULI_PUBLIC_scene
+  "Scenes: particles, actors, appearance, and edits of them."
+  host/core/scene/mounting.hpp host/core/scene/gaussians.hpp host/core/scene/appearance.hpp host/core/scene/actor.hpp
+  host/core/scene/ray_drop.hpp host/core/scene/pixel_footprint.hpp host/core/scene/vistas.hpp host/core/scene/scene.hpp host/core/scene/occluders.hpp
+  host/core/scene/edit.hpp host/core/scene/moment.hpp)
 set(SIMULI_PUBLIC_device
   "OpenCL devices. Their own handles: <simuli/opencl.h>."
   host/device/runtime/profile.hpp host/device/runtime/device.hpp)

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/actor.hpp"
 #include "host/core/scene/gaussians.hpp"
-#include "host/core/scene/pose.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "host/core/sensors/lidar_model.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 
 namespace simuli {
 

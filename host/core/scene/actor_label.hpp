@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 
 namespace simuli {
 

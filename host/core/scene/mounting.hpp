@@ -2,7 +2,7 @@
 // Where a sensor is mounted on its rig, as people measure it.
 #include <Eigen/Core>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 
 namespace simuli {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/scene.hpp"
 
 namespace simuli {

@@ -11,7 +11,7 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
-#include "host/core/scene/splitmix.hpp"
+#include "host/core/base/splitmix.hpp"
 
 namespace simuli {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "host/core/sensors/lidar_model.hpp"
 

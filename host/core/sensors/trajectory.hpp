@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 
 namespace simuli {
 

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/actor.hpp"
-#include "host/core/scene/pose.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "host/core/sensors/lidar.hpp"
 #include "host/core/sensors/trajectory.hpp"

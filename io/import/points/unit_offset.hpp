@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "host/core/sensors/lidar.hpp"
 
 namespace simuli {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "host/core/sensors/lidar.hpp"
 #include "io/import/points/point_grid.hpp"
 #include "io/import/ros2/cloud_fields.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "io/ros2/messages.hpp"
 
 namespace simuli::ros2 {

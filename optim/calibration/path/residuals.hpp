@@ -6,7 +6,7 @@
 #include <ceres/autodiff_cost_function.h>
 #include <ceres/rotation.h>
 
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 
 namespace simuli::calibration {
 
@@ -37,7 +37,7 @@ void relative_rotation(const T* a_from_b, const T* a_from_c, T* b_from_c) {
   ceres::QuaternionToAngleAxis(turn, b_from_c);
 }
 
-/// p in world at share u of the way from pose 0 to pose 1: slerp and centre lerp, as host/core/scene/pose.hpp.
+/// p in world at share u of the way from pose 0 to pose 1: slerp and centre lerp, as host/core/base/pose.hpp.
 template <class T>
 void moved_point(const T* rotation_0,
                  const T* translation_0,

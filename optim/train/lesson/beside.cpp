@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "host/core/scene/splitmix.hpp"
+#include "host/core/base/splitmix.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/train/lesson/lesson.hpp"
 

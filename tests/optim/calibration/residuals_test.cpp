@@ -1,4 +1,4 @@
-// Automatic derivatives against central differences, and the residuals' poses against host/core/scene/pose.hpp.
+// Automatic derivatives against central differences, and the residuals' poses against host/core/base/pose.hpp.
 #include "optim/calibration/path/residuals.hpp"
 
 #include <ceres/numeric_diff_cost_function.h>

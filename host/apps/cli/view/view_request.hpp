@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/edit.hpp"
-#include "host/core/scene/pose.hpp"
 
 namespace simuli::cli {
 

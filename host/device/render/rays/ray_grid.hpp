@@ -4,7 +4,7 @@
 
 #include "cl/shared/layout.h"
 #include "cl/shared/sensor_constants.h"
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "host/core/sensors/lidar_model.hpp"
 #include "host/device/render/options/options.hpp"

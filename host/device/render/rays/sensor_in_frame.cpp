@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "host/core/base/angles.hpp"
-#include "host/core/scene/splitmix.hpp"
+#include "host/core/base/splitmix.hpp"
 
 namespace simuli {
 namespace {

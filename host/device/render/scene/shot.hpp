@@ -2,9 +2,9 @@
 // Where a sensor is, and when, while it takes one frame; and what is edited for that frame alone.
 #include <vector>
 
+#include "host/core/base/pose.hpp"
 #include "host/core/scene/actor.hpp"
 #include "host/core/scene/edit.hpp"
-#include "host/core/scene/pose.hpp"
 #include "host/core/scene/scene.hpp"
 #include "host/core/sensors/sensor.hpp"
 #include "host/core/sensors/trajectory.hpp"

@@ -1,4 +1,4 @@
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 
 #include <Eigen/SVD>
 #include <cmath>

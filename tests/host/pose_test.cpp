@@ -1,4 +1,4 @@
-#include "host/core/scene/pose.hpp"
+#include "host/core/base/pose.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>
