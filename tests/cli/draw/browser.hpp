@@ -5,14 +5,24 @@
 #include <cstdlib>
 #include <filesystem>
 #include <httplib.h>
+#include <netdb.h>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
 
 namespace simuli::test {
 
-/// Debian: chromium-driver.
-inline bool has_browser() { return std::system("command -v chromedriver >/dev/null 2>&1") == 0; }
+/// Why there is no browser; empty: there is one.
+inline std::string missing_browser() {
+  if (std::system("command -v chromedriver >/dev/null 2>&1") != 0) {
+    return "chromedriver (Debian: chromium-driver) is not installed";
+  }
+  addrinfo* found = nullptr;  // by this name chromedriver calls its browser
+  if (getaddrinfo("localhost", nullptr, nullptr, &found) != 0)
+    return "localhost is no known name (/etc/hosts)";
+  freeaddrinfo(found);
+  return {};
+}
 
 /// A browser driven over the WebDriver protocol.
 class Browser {

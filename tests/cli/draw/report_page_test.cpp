@@ -42,8 +42,8 @@ void write_page(const std::filesystem::path& file) {
 }
 
 TEST(ReportPage, WorksInABrowser) {
-  if (!test::has_browser()) {
-    GTEST_SKIP() << "not run: reports in a browser, chromedriver (Debian: chromium-driver) is not installed";
+  if (const std::string missing = test::missing_browser(); !missing.empty()) {
+    GTEST_SKIP() << "not run: reports in a browser, " << missing;
   }
   const test::Scratch scratch;
   write_page(scratch / "r.html");

@@ -80,10 +80,9 @@ class ViewPage : public ViewCli {
   std::unique_ptr<Browser> browser_;
 };
 
-#define NEED_BROWSER()                                                                                \
-  if (!has_browser()) {                                                                               \
-    GTEST_SKIP()                                                                                      \
-        << "not run: the page in a browser, chromedriver (Debian: chromium-driver) is not installed"; \
+#define NEED_BROWSER()                                                   \
+  if (const std::string missing = missing_browser(); !missing.empty()) { \
+    GTEST_SKIP() << "not run: the page in a browser, " << missing;       \
   }
 
 TEST_F(ViewPage, ShowsASceneAndKeepsItsLayout) {
