@@ -300,6 +300,24 @@ SceneFile in_order(SceneFile file) {
 
 }  // namespace
 
+void aim_color_grids(SceneFile& file) {
+  ColorGrids& grids = file.scene.color_grids;
+  const Trajectory& path = file.world_from_rig;
+  grids.cameras.clear();
+  grids.looks.clear();
+  const auto is_known = [&](const ColorGrids::Frame& frame) {
+    return file.find_camera(frame.camera) != nullptr && path.covers(frame.time_s);
+  };
+  if (!std::all_of(grids.frames.begin(), grids.frames.end(), is_known)) return;
+  for (const ColorGrids::Frame& frame : grids.frames) {
+    const LogCamera& camera = *file.find_camera(frame.camera);
+    const auto is_same = [&](const Camera& known) { return known.name == frame.camera; };
+    if (std::none_of(grids.cameras.begin(), grids.cameras.end(), is_same))
+      grids.cameras.push_back(camera.model);
+    grids.looks.push_back((path.at(frame.time_s) * camera.rig_from_camera).rotation);
+  }
+}
+
 SceneFile read_scene(const fs::path& folder) {
   if (is_splat_file(folder)) return in_order(scene_of_splats(folder));
   std::error_code ignored;
@@ -316,6 +334,7 @@ SceneFile read_scene(const fs::path& folder) {
   scene.camera = read_set_file(own(kCameraName), SetKind::kCamera, contents.camera_set);
   scene.lidar = read_set_file(own(kLidarName), SetKind::kLidar, contents.lidar_set);
   read_appearance_files(folder, scene);
+  aim_color_grids(contents.scene);
   if (contents.support) read_support_cells(folder, *contents.support);
   check_actors(scene.camera, scene, folder / kCameraName);
   check_actors(scene.lidar, scene, folder / kLidarName);

@@ -37,6 +37,10 @@ struct SceneFile {
   [[nodiscard]] const LogLidar* find_lidar(const std::string& name) const;
 };
 
+/// Tells the scene's colour grids where their frames look, if the file knows all their cameras and its path goes on
+/// for as long as they do.
+void aim_color_grids(SceneFile& file);
+
 /// Reads a scene folder, or a file of splats (scene_of_splats()). Unknown keys are errors, as are counts or
 /// SH degrees other than scene.json says. Errors as in io/log/log.hpp.
 [[nodiscard]] SceneFile read_scene(const std::filesystem::path& folder);

@@ -163,7 +163,8 @@ inline void pack(Packed& p, Log& v) { p(v.lidars, v.world_from_rig, v.actors); }
 inline void pack(Packed& p, GaussianSet& v) { p(v.kind, v.sh_degree, v.params, v.actor); }
 inline void pack(Packed& p, EnvironmentMap& v) { p.all(v, v.width, v.height, v.texels); }
 inline void pack(Packed& p, ColorGrids::Frame& v) { p.all(v, v.camera, v.time_s); }
-inline void pack(Packed& p, ColorGrids& v) { p.all(v, v.size_x, v.size_y, v.size_z, v.frames, v.values); }
+/// aim_color_grids() finds the rest again.
+inline void pack(Packed& p, ColorGrids& v) { p(v.size_x, v.size_y, v.size_z, v.frames, v.values); }
 inline void pack(Packed& p, Vista& v) { p.all(v, v.path_m, v.occluders); }
 inline void pack(Packed& p, RayDrop& v) { p.all(v, v.lidar, v.parameters); }
 inline void pack(Packed& p, Scene& v) {

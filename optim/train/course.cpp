@@ -73,7 +73,9 @@ void TrainingDrive::find_moving(const Log& seen, const FrameSelection& frames) {
 }
 
 SceneFile TrainingDrive::file_of(Scene scene) const {
-  return {std::move(scene), log.cameras, log.lidars, log.world_from_rig, frame_spans(log)};
+  SceneFile file{std::move(scene), log.cameras, log.lidars, log.world_from_rig, frame_spans(log)};
+  aim_color_grids(file);
+  return file;
 }
 
 CourseInOnePiece::CourseInOnePiece(TrainingDrive& drive,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <limits>
+#include <utility>
 
 #include "io/base/file.hpp"
 #include "io/picture/image.hpp"
@@ -39,6 +40,34 @@ TEST(AppearanceFile, RoundTripKeepsEveryBit) {
   EXPECT_EQ(read.color_grids.frames, written.scene.color_grids.frames);
   EXPECT_EQ(read.color_grids.size_y, 4);
   EXPECT_EQ(read.color_grids.values, written.scene.color_grids.values);
+}
+
+TEST(AppearanceFile, GridsKnowWhereTheyLookIfThePathDoes) {
+  SceneFile file = scene_with_appearance();
+  Pose front, left;
+  left.rotation = Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ());
+  for (const auto& [name, rig_from_camera] : {std::pair{"front", front}, std::pair{"left", left}}) {
+    const Camera model{.name = name, .width = 8, .height = 6, .fx = 9.0, .fy = 9.0, .cx = 4.0, .cy = 3.0};
+    file.cameras.push_back({model, rig_from_camera});
+  }
+  Pose end;
+  end.rotation = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ());
+  file.world_from_rig = Trajectory({{0.0, {}}, {1.0, end}});
+  const Scratch scratch;
+  write_scene(scratch / "scene", file);
+  const ColorGrids grids = read_scene(scratch / "scene").scene.color_grids;
+  ASSERT_EQ(grids.cameras.size(), 2U);
+  ASSERT_EQ(grids.looks.size(), 11U);
+  for (int i = 0; i < 11; ++i) {
+    const double angle_rad = 0.5 * 0.1 * i + (i % 2 == 0 ? 0.0 : 1.0);
+    const Eigen::Quaterniond expected(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitZ()));
+    EXPECT_LT(grids.looks[static_cast<std::size_t>(i)].angularDistance(expected), 1e-9) << i;
+  }
+  file.world_from_rig = Trajectory({{0.0, {}}, {0.7, end}});  // ends 0.3 s before the last frame
+  write_scene(scratch / "scene", file);
+  const ColorGrids blind = read_scene(scratch / "scene").scene.color_grids;
+  EXPECT_EQ(blind.frames.size(), 11U);
+  EXPECT_TRUE(blind.cameras.empty() && blind.looks.empty());
 }
 
 TEST(AppearanceFile, AnAbsentOneLeavesNothingBehind) {

@@ -31,7 +31,8 @@ Traces traces_of(const GaussianSet& set,
   const SensorRays rays = shot.on(device, options);
   const auto through_appearance = [&] {
     AppearanceOnDevice appearance(device, *scene, options.precision);
-    return appearance.render(renderer, particles, rays, shot.view, "camera", 0.0);
+    const Camera camera{.name = "camera"};  // it has the scene's grid at any time
+    return appearance.render(renderer, particles, rays, shot.view, &camera, Shot{});
   };
   const Pass pass = scene == nullptr ? renderer.render(particles, rays, shot.view) : through_appearance();
   Traces traces;
@@ -84,8 +85,6 @@ TEST(Plan, EmptyLooksAreNotThere) {
   const test::Shot shot = test::shot_of(test::kCameraSh3, 72, 50);
   const Traces never = traces_of(set, shot, paper_options());
   Scene scene;
-  expect_same(traces_of(set, shot, paper_options(), &scene), never);
-  scene.color_grids = ColorGrids::identity(4, 4, 4, {{"another camera", 0.0}});
   expect_same(traces_of(set, shot, paper_options(), &scene), never);
   scene.color_grids = ColorGrids::identity(4, 4, 4, {{"camera", 0.0}});
   expect_more(traces_of(set, shot, paper_options(), &scene), never);

@@ -1,6 +1,8 @@
 #include "host/core/scene/appearance.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 namespace simuli {
@@ -23,7 +25,7 @@ ColorGrids ColorGrids::identity(int size_x, int size_y, int size_z, std::vector<
   return grids;
 }
 
-std::vector<float> ColorGrids::at(const std::string& camera, double time_s) const {
+std::vector<ColorGrids::Part> ColorGrids::between(const std::string& camera, double time_s) const {
   const Frame* before = nullptr;
   const Frame* behind = nullptr;
   for (const Frame& frame : frames) {
@@ -38,13 +40,82 @@ std::vector<float> ColorGrids::at(const std::string& camera, double time_s) cons
   if (behind == nullptr) behind = before;
   if (before == nullptr) return {};
   const double span_s = behind->time_s - before->time_s;
-  const auto share = static_cast<float>(span_s > 0.0 ? (time_s - before->time_s) / span_s : 0.0);
+  const double share = span_s > 0.0 ? (time_s - before->time_s) / span_s : 0.0;
+  std::vector<Part> parts{{static_cast<std::size_t>(before - frames.data()), 1.0 - share}};
+  if (share > 0.0) parts.push_back({static_cast<std::size_t>(behind - frames.data()), share});
+  return parts;
+}
+
+std::vector<float> ColorGrids::at(const Camera& camera,
+                                  const Eigen::Quaterniond& world_from_camera,
+                                  double time_s) const {
   const std::size_t count = values_per_frame();
-  const float* a = values.data() + static_cast<std::size_t>(before - frames.data()) * count;
-  const float* b = values.data() + static_cast<std::size_t>(behind - frames.data()) * count;
-  std::vector<float> out(count);
-  for (std::size_t i = 0; i < count; ++i) out[i] = a[i] + share * (b[i] - a[i]);
+  const std::size_t column = static_cast<std::size_t>(size_z) * kMatrix;
+  const std::vector<Part> own = between(camera.name, time_s);
+  if (!own.empty()) {
+    const float* a = values.data() + own.front().frame * count;
+    const float* b = values.data() + own.back().frame * count;
+    const float share = own.size() > 1 ? static_cast<float>(own.back().weight) : 0.0F;
+    std::vector<float> out(count);
+    for (std::size_t i = 0; i < count; ++i) out[i] = a[i] + share * (b[i] - a[i]);
+    return out;
+  }
+  std::vector<Part> parts;
+  std::set<std::string> names;
+  for (const Frame& frame : frames) {
+    if (!names.insert(frame.camera).second) continue;
+    for (const Part& part : between(frame.camera, time_s)) parts.push_back(part);
+  }
+  std::vector<double> mean(column, 0.0);
+  const double each = static_cast<double>(column) / static_cast<double>(count * names.size());
+  for (const Part& part : parts) {
+    const float* of = values.data() + part.frame * count;
+    const double weight = part.weight * each;
+    for (std::size_t i = 0; i < count; ++i) mean[i % column] += weight * static_cast<double>(of[i]);
+  }
+  std::vector<float> out;
+  out.reserve(count);
+  for (int y = 0; y < size_y; ++y) {
+    for (int x = 0; x < size_x; ++x) {
+      const Eigen::Vector2d pixel(camera.width * x / (size_x - 1.0), camera.height * y / (size_y - 1.0));
+      const Eigen::Vector3d direction = world_from_camera * camera.unproject(pixel);
+      std::vector<double> sum(column, 0.0);
+      double seen = 0.0;
+      for (const Part& part : parts) seen += add_towards(direction, part, sum) ? part.weight : 0.0;
+      for (std::size_t i = 0; i < column; ++i) {
+        out.push_back(static_cast<float>(seen > 0.0 ? sum[i] / seen : mean[i]));
+      }
+    }
+  }
   return out;
+}
+
+bool ColorGrids::add_towards(const Eigen::Vector3d& direction_world,
+                             const Part& part,
+                             std::vector<double>& sum) const {
+  const std::string& name = frames[part.frame].camera;
+  const auto is_own = [&](const auto& of) { return of.camera == name; };
+  const auto model =
+      std::find_if(cameras.begin(), cameras.end(), [&](const Camera& c) { return c.name == name; });
+  if (model == cameras.end() || std::count_if(frames.begin(), frames.end(), is_own) < 2) return false;
+  Eigen::Vector2d pixel;
+  if (!model->project(looks[part.frame].conjugate() * direction_world, pixel)) return false;
+  constexpr double kBeyond = 0.5;  // of a cell: what a vertex on the picture's border stands for, too
+  const Eigen::Array2d last(size_x - 1.0, size_y - 1.0);
+  const Eigen::Array2d place = pixel.array() / Eigen::Array2d(model->width, model->height) * last;
+  if (!(place >= -kBeyond).all() || !(place <= last + kBeyond).all()) return false;
+  const Eigen::Array2d inside = place.max(0.0).min(last);
+  const Eigen::Array2i cell = inside.cast<int>().min(Eigen::Array2i(size_x - 2, size_y - 2));
+  const Eigen::Array2d far = inside - cell.cast<double>();
+  for (int corner = 0; corner < 4; ++corner) {
+    const int dx = corner % 2, dy = corner / 2;
+    const double weight =
+        part.weight * (dx == 1 ? far.x() : 1.0 - far.x()) * (dy == 1 ? far.y() : 1.0 - far.y());
+    const auto vertex = static_cast<std::size_t>((cell.y() + dy) * size_x + cell.x() + dx);
+    const float* of = values.data() + part.frame * values_per_frame() + vertex * sum.size();
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += weight * static_cast<double>(of[i]);
+  }
+  return true;
 }
 
 }  // namespace simuli

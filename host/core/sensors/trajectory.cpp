@@ -38,8 +38,12 @@ Trajectory::Trajectory(std::vector<TimedPose> poses) : poses_(std::move(poses)) 
   }
 }
 
+bool Trajectory::covers(double time_s) const {
+  return !poses_.empty() && time_s >= start_s() - kExtrapolation_s && time_s <= end_s() + kExtrapolation_s;
+}
+
 Pose Trajectory::at(double time_s) const {
-  if (!(time_s >= start_s() - kExtrapolation_s && time_s <= end_s() + kExtrapolation_s)) {
+  if (!covers(time_s)) {
     throw_input_error("trajectory",
                       "time",
                       fmt::format("{:.16g} s", time_s),

@@ -20,6 +20,8 @@ class Trajectory {
   /// world_from_rig at time_s. Up to `kExtrapolation_s` outside the recorded span the end segment is
   /// continued at constant velocity; further out throws Error{kInput} naming time and span.
   [[nodiscard]] Pose at(double time_s) const;
+  /// Whether there is a pose at time_s.
+  [[nodiscard]] bool covers(double time_s) const;
 
   [[nodiscard]] const std::vector<TimedPose>& poses() const { return poses_; }
   [[nodiscard]] double start_s() const { return poses_.front().time_s; }

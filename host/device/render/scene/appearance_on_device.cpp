@@ -10,12 +10,11 @@ AppearanceOnDevice::AppearanceOnDevice(const Device& device, const Scene& scene,
   environment_ = std::make_unique<EnvironmentBuffers>(device, scene.environment, precision);
 }
 
-Pass AppearanceOnDevice::graded(Pass pass, const std::string& camera, double time_s) {
+Pass AppearanceOnDevice::graded(Pass pass, const Camera* camera, const Shot& shot) {
   const ColorGrids& all = scene_.color_grids;
-  if (all.empty() || camera.empty()) return pass;
+  if (all.empty() || camera == nullptr) return pass;
   ColorGrids one = ColorGrids::identity(all.size_x, all.size_y, all.size_z, {});
-  one.values = all.at(camera, time_s);
-  if (one.values.empty()) return pass;
+  one.values = all.at(*camera, shot.pose_at(0.5).rotation, shot.middle_s());
   pass.grade(ColorGridBuffers(device_, one, precision_), 0);
   return pass;
 }

@@ -1,9 +1,9 @@
 #pragma once
 #include <memory>
-#include <string>
 
 #include "host/core/scene/scene.hpp"
 #include "host/device/render/scene/renderer.hpp"
+#include "host/device/render/scene/shot.hpp"
 
 namespace simuli {
 
@@ -14,21 +14,20 @@ class AppearanceOnDevice {
   /// `scene` must outlive it.
   AppearanceOnDevice(const Device& device, const Scene& scene, Precision precision);
 
-  /// Renders the camera set as `camera` sees it at time_s (of the log): through the grid that
-  /// ColorGrids::at gives, and none for cameras that were not trained on. No name: colours are those that all
-  /// pictures share.
+  /// Renders the camera set as `camera` sees it during the shot: through the grid that ColorGrids::at gives.
+  /// Null: colours are those that all pictures share.
   template <class Particles>  // ParticleBuffers, ParticlePages
   Pass render(Renderer& renderer,
               Particles& camera_set,
               const SensorRays& rays,
               const View& view,
-              const std::string& camera,
-              double time_s) {
-    return graded(renderer.render(camera_set, rays, view, environment_.get()), camera, time_s);
+              const Camera* camera,
+              const Shot& shot) {
+    return graded(renderer.render(camera_set, rays, view, environment_.get()), camera, shot);
   }
 
  private:
-  Pass graded(Pass pass, const std::string& camera, double time_s);
+  Pass graded(Pass pass, const Camera* camera, const Shot& shot);
 
   Device device_;
   const Scene& scene_;

@@ -182,11 +182,11 @@ struct SceneOnDevice::State {
     Renderer& on = renderer(o);
     const SensorRays seen = rays(sensor, o, request.rays);
     Upload& upload = particles(kind, o, what.whole);
-    const std::string camera = sensor.is_camera() && request.graded ? sensor.camera().name : std::string();
+    const Camera* camera = sensor.is_camera() && request.graded ? &sensor.camera() : nullptr;
     Pass pass = std::visit(
         [&](auto& set) {
           return sensor.is_camera() && !what.actor_ids
-                     ? appearance_on(o.precision).render(on, set, seen, view, camera, shot.middle_s())
+                     ? appearance_on(o.precision).render(on, set, seen, view, camera, shot)
                      : on.render(set, seen, view);
         },
         upload.particles);
