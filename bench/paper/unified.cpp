@@ -69,8 +69,8 @@ class UnifiedTrainer {
 
   void step(int iteration) {
     const double progress = static_cast<double>(iteration) / options_.iterations;
-    const Pass picture = camera_gradients(
-        images_.at(static_cast<std::uint64_t>(iteration)), static_cast<std::uint64_t>(iteration), progress);
+    const auto index = static_cast<std::uint64_t>(iteration);
+    const Pass picture = camera_gradients(images_.at(index), index);
     std::vector<std::uint32_t> keys = picture.buffers().projected.keys.download();
     std::vector<float> grads = camera_.grads.download_float();
     const std::size_t stride = camera_.particles.stride;
@@ -109,7 +109,7 @@ class UnifiedTrainer {
   }
 
  private:
-  Pass camera_gradients(std::size_t index, std::uint64_t iteration, double progress) {
+  Pass camera_gradients(std::size_t index, std::uint64_t iteration) {
     const ImageFrame& frame = log_.images[index];
     const auto truth = truth_.image(index);
     Pass pass = renderer_.render(camera_.particles,
@@ -121,7 +121,7 @@ class UnifiedTrainer {
     const ImageWeights& w = options_.image;
     (void)pass.image_loss(truth->truth, {w.absolute / values, w.squared / values, w.dissimilarity / values});
     look_.backward(pass, index);
-    look_.step({{index, {}}}, iteration, progress, nullptr);
+    look_.step({{index, {}}}, iteration, options_.iterations, nullptr);
     pass.backward(camera_.particles, camera_.grads);
     return pass;
   }

@@ -50,12 +50,12 @@ class TrainedLook {
   [[nodiscard]] Gradients gradients() const;
   /// Of a step on several pictures: moves the environment by their gradients' mean, added in their order by
   /// `sum`, and each grid by its own, in turn. Of one picture: by what backward() has left; `sum` is null.
-  /// `iteration`: of the step, from 0.
+  /// `iteration`: of the step, from 0; `iterations`: how many there will be.
   struct Shard {
     std::size_t image = 0;
     Gradients gradients;
   };
-  void step(const std::vector<Shard>& shards, std::uint64_t iteration, double progress, ShardSum* sum);
+  void step(const std::vector<Shard>& shards, std::uint64_t iteration, int iterations, ShardSum* sum);
 
   /// Gradient entries that were not finite. Waits.
   [[nodiscard]] std::uint32_t rejected() const;
@@ -64,7 +64,7 @@ class TrainedLook {
   void add_state(StateList& list);
 
  private:
-  void step_grid(std::size_t image, std::uint64_t picture, double progress);
+  void step_grid(std::size_t image, std::uint64_t picture, double pictures, double progress);
   void step_environment(std::uint64_t iteration, double progress);
   /// Of colours [0,1] as they are, of one of so many parts of a picture.
   [[nodiscard]] double colour_epsilon(std::size_t parts) const;

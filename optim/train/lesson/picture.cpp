@@ -66,7 +66,8 @@ void PictureLesson::learn(const std::vector<ShardPart>& parts, Shards& shards) {
     looks.push_back({index, {parts[shard].grid, parts[shard].environment}});
     times.push_back({state_.log.images[index].time_start_s, state_.log.images[index].time_end_s});
   }
-  state_.look.step(looks, static_cast<std::uint64_t>(state_.status.iteration), progress_, shards.sum());
+  const auto iteration = static_cast<std::uint64_t>(state_.status.iteration);
+  state_.look.step(looks, iteration, state_.options.iterations, shards.sum());
   step_set(parts, times, shards);
 }
 
