@@ -61,16 +61,15 @@ void read_frame(JsonObject& object, const Log& log, Frame& frame) {
   const FrameSpan span = frame_span_from_json(object, log.start_ns);
   frame.time_start_s = span.time_start_s;
   frame.time_end_s = span.time_end_s;
-  const double margin_s = Trajectory::kExtrapolation_s;
   const Trajectory& path = log.world_from_rig;
-  if (!(frame.time_start_s >= path.start_s() - margin_s && frame.time_end_s <= path.end_s() + margin_s)) {
+  if (!path.covers(frame.time_start_s) || !path.covers(frame.time_end_s)) {
     throw_input_error(object.file(),
                       object.field("time_start_ns"),
                       fmt::format("{} to {} s", frame.time_start_s, frame.time_end_s),
                       fmt::format("{} to {} s, the span of world_from_rig, and {} s beyond either end",
                                   path.start_s(),
                                   path.end_s(),
-                                  margin_s));
+                                  Trajectory::kExtrapolation_s));
   }
 }
 

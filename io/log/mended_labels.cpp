@@ -199,9 +199,7 @@ std::vector<std::string> mend_labels(Log& log) {
   const std::vector<Vector3d> sensors = sensors_on_rig(log);
   const auto is_on_rig = [&](const Actor& actor, const KeyPose& key) {
     const Trajectory& path = log.world_from_rig;
-    if (key.time_s < path.start_s() - Trajectory::kExtrapolation_s ||
-        key.time_s > path.end_s() + Trajectory::kExtrapolation_s)
-      return false;
+    if (!path.covers(key.time_s)) return false;
     const Pose actor_from_rig = key.world_from_actor.inverse() * path.at(key.time_s);
     const Vector3d half = 0.5 * actor.size_m;
     return std::any_of(sensors.begin(), sensors.end(), [&](const Vector3d& p_rig) {

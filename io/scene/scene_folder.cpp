@@ -305,17 +305,14 @@ void aim_color_grids(SceneFile& file) {
   const Trajectory& path = file.world_from_rig;
   grids.cameras.clear();
   grids.looks.clear();
-  const auto is_known = [&](const ColorGrids::Frame& frame) {
-    return file.find_camera(frame.camera) != nullptr && path.covers(frame.time_s);
-  };
-  if (!std::all_of(grids.frames.begin(), grids.frames.end(), is_known)) return;
+  std::vector<Eigen::Quaterniond> looks;
   for (const ColorGrids::Frame& frame : grids.frames) {
-    const LogCamera& camera = *file.find_camera(frame.camera);
-    const auto is_same = [&](const Camera& known) { return known.name == frame.camera; };
-    if (std::none_of(grids.cameras.begin(), grids.cameras.end(), is_same))
-      grids.cameras.push_back(camera.model);
-    grids.looks.push_back((path.at(frame.time_s) * camera.rig_from_camera).rotation);
+    const LogCamera* camera = file.find_camera(frame.camera);
+    if (camera == nullptr || !path.covers(frame.time_s)) return;
+    looks.push_back((path.at(frame.time_s) * camera->rig_from_camera).rotation);
   }
+  grids.looks = std::move(looks);
+  for (const LogCamera& camera : file.cameras) grids.cameras.push_back(camera.model);
 }
 
 SceneFile read_scene(const fs::path& folder) {

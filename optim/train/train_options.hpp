@@ -67,11 +67,12 @@ enum class ColorGridsOf : int {
 
 /// Environment and colour grids of the camera set.
 struct LookOptions {
-  /// Quarter size, 200 to 400 iterations, none and kAuto: drive 0052 27.99 and 28.30 dB, 0013 24.06 and 24.35, the
-  /// street 30.41 and 30.44, PandaSet 28.92 and 29.77 (kPictures 29.15: six cameras show each too rarely).
+  /// Quarter size, none and kAuto: drive 0013 after 500 iterations 25.38 and 26.03 dB; when grids were slower, after
+  /// 200 to 400, 0052 27.99 and 28.30, the street 30.41 and 30.44, PandaSet 28.92 and 29.77 (kPictures 29.15: six
+  /// cameras show each too rarely).
   ColorGridsOf color_grids = ColorGridsOf::kAuto;
   double environment_rate = 1e-2;  // per step of Adam, of texels, at the start
-  double grid_rate = 2e-3;         // of the grids' values
+  double grid_rate = 2e-3;         // of the grids' values, where they take steps enough
   double least_share = 0.6;
 };
 template <class F>

@@ -187,9 +187,9 @@ void TrainedLook::step(const std::vector<Shard>& shards,
     }
   }
   step_environment(iteration, progress);
+  const double pictures = static_cast<double>(iterations) * static_cast<double>(shards.size());
   for (std::size_t i = 0; grids_ && i < shards.size(); ++i) {
     if (sum != nullptr) grids_->grads.assign(std::span<const float>(shards[i].gradients.grid));
-    const double pictures = static_cast<double>(iterations) * static_cast<double>(shards.size());
     step_grid(shards[i].image, iteration * shards.size() + i, pictures, progress);
   }
 }

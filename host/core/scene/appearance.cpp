@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 #include <utility>
 
 namespace simuli {
@@ -60,14 +60,19 @@ std::vector<float> ColorGrids::at(const Camera& camera,
     for (std::size_t i = 0; i < count; ++i) out[i] = a[i] + share * (b[i] - a[i]);
     return out;
   }
+  std::map<std::string, int> grids_of;
+  for (const Frame& frame : frames) ++grids_of[frame.camera];
   std::vector<Part> parts;
-  std::set<std::string> names;
-  for (const Frame& frame : frames) {
-    if (!names.insert(frame.camera).second) continue;
-    for (const Part& part : between(frame.camera, time_s)) parts.push_back(part);
+  for (const auto& [name, number] : grids_of) {
+    const auto model = std::find_if(
+        cameras.begin(), cameras.end(), [&of = name](const Camera& known) { return known.name == of; });
+    for (Part part : between(name, time_s)) {
+      if (number > 1 && model != cameras.end()) part.model = &*model;
+      parts.push_back(part);
+    }
   }
   std::vector<double> mean(column, 0.0);
-  const double each = static_cast<double>(column) / static_cast<double>(count * names.size());
+  const double each = static_cast<double>(column) / static_cast<double>(count * grids_of.size());
   for (const Part& part : parts) {
     const float* of = values.data() + part.frame * count;
     const double weight = part.weight * each;
@@ -93,16 +98,12 @@ std::vector<float> ColorGrids::at(const Camera& camera,
 bool ColorGrids::add_towards(const Eigen::Vector3d& direction_world,
                              const Part& part,
                              std::vector<double>& sum) const {
-  const std::string& name = frames[part.frame].camera;
-  const auto is_own = [&](const auto& of) { return of.camera == name; };
-  const auto model =
-      std::find_if(cameras.begin(), cameras.end(), [&](const Camera& c) { return c.name == name; });
-  if (model == cameras.end() || std::count_if(frames.begin(), frames.end(), is_own) < 2) return false;
+  if (part.model == nullptr) return false;
   Eigen::Vector2d pixel;
-  if (!model->project(looks[part.frame].conjugate() * direction_world, pixel)) return false;
+  if (!part.model->project(looks[part.frame].conjugate() * direction_world, pixel)) return false;
   constexpr double kBeyond = 0.5;  // of a cell: what a vertex on the picture's border stands for, too
   const Eigen::Array2d last(size_x - 1.0, size_y - 1.0);
-  const Eigen::Array2d place = pixel.array() / Eigen::Array2d(model->width, model->height) * last;
+  const Eigen::Array2d place = pixel.array() / Eigen::Array2d(part.model->width, part.model->height) * last;
   if (!(place >= -kBeyond).all() || !(place <= last + kBeyond).all()) return false;
   const Eigen::Array2d inside = place.max(0.0).min(last);
   const Eigen::Array2i cell = inside.cast<int>().min(Eigen::Array2i(size_x - 2, size_y - 2));

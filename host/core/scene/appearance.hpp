@@ -36,7 +36,7 @@ struct ColorGrids {
   std::vector<Frame> frames;
   std::vector<float> values;  // [frames][size_y][size_x][size_z][12]
   /// Where the frames look, for cameras that none of them is of: not known, or known of all.
-  std::vector<Camera> cameras;            // those of the frames
+  std::vector<Camera> cameras;            // with those of the frames
   std::vector<Eigen::Quaterniond> looks;  // [frames] world_from_camera, in the middle of the exposure
 
   [[nodiscard]] bool empty() const { return frames.empty(); }
@@ -56,6 +56,7 @@ struct ColorGrids {
   struct Part {  // of a mean
     std::size_t frame = 0;
     double weight = 0.0;
+    const Camera* model = nullptr;  // by which add_towards() finds directions; null: it has none
   };
   /// The camera's neighbours in time; none of a camera without grids.
   [[nodiscard]] std::vector<Part> between(const std::string& camera, double time_s) const;

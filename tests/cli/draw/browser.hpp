@@ -18,8 +18,9 @@ inline std::string missing_browser() {
     return "chromedriver (Debian: chromium-driver) is not installed";
   }
   addrinfo* found = nullptr;  // by this name chromedriver calls its browser
-  if (getaddrinfo("localhost", nullptr, nullptr, &found) != 0)
+  if (getaddrinfo("localhost", nullptr, nullptr, &found) != 0) {
     return "localhost is no known name (/etc/hosts)";
+  }
   freeaddrinfo(found);
   return {};
 }

@@ -108,12 +108,11 @@ double ServedScene::seconds(std::uint64_t time_us, const std::string& field) con
   if (time_us > kLatest_us) refuse_time(fmt::format("at most {}", kLatest_us));
   const double time_s = clock_.seconds(time_us);
   if (world_from_rig_.poses().empty()) return time_s;
-  constexpr double kBeyond_s = Trajectory::kExtrapolation_s;
-  if (time_s < world_from_rig_.start_s() - kBeyond_s || time_s > world_from_rig_.end_s() + kBeyond_s) {
+  if (!world_from_rig_.covers(time_s)) {
     refuse_time(fmt::format("{} to {} us, give or take {} s",
                             microseconds(world_from_rig_.start_s()),
                             microseconds(world_from_rig_.end_s()),
-                            kBeyond_s));
+                            Trajectory::kExtrapolation_s));
   }
   return time_s;
 }
