@@ -57,6 +57,7 @@ class UnifiedTrainer {
       : log_(log),
         scene_(with_twin(std::move(start))),
         options_(checked(options).train),
+        sweep_every_(iterations_a_sweep(options, log)),
         distance_weight_(distance_weight),
         renderer_(device, without_median(options.train.render)),
         truth_(device, log, options, renderer_.options()),
@@ -74,9 +75,8 @@ class UnifiedTrainer {
     std::vector<std::uint32_t> keys = picture.buffers().projected.keys.download();
     std::vector<float> grads = camera_.grads.download_float();
     const std::size_t stride = camera_.particles.stride;
-    if (iteration % options_.lidar_every == 0) {
-      const Pass sweep =
-          lidar_gradients(sweeps_.at(static_cast<std::uint64_t>(iteration / options_.lidar_every)));
+    if (iteration % sweep_every_ == 0) {
+      const Pass sweep = lidar_gradients(sweeps_.at(static_cast<std::uint64_t>(iteration / sweep_every_)));
       const std::vector<std::uint32_t> seen = sweep.buffers().projected.keys.download();
       const std::vector<float> more = lidar_.grads.download_float();
       for (std::size_t row = 0; row < kShRow; ++row) {
@@ -140,6 +140,7 @@ class UnifiedTrainer {
   const Log& log_;
   Scene scene_;
   TrainOptions options_;
+  int sweep_every_;
   double distance_weight_;
   Renderer renderer_;
   TruthCache truth_;

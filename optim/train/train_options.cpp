@@ -1,4 +1,7 @@
+#include <algorithm>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/core/base/error.hpp"
@@ -26,6 +29,15 @@ TrainingOptions checked(const TrainingOptions& options) {
                     " beside a fixer, allowed 1: mended pictures are no shard's");
   }
   return options;
+}
+
+int iterations_a_sweep(const TrainingOptions& options, const Log& log) {
+  std::set<std::string_view> lidars;
+  for (const std::size_t sweep : HeldOutRule(log, options.frames).training(log.sweeps)) {
+    lidars.insert(log.sweeps[sweep].lidar);
+  }
+  const int turns = std::max(1, static_cast<int>(lidars.size()));
+  return (options.train.lidar_every - 1) / turns + 1;
 }
 
 TrainingOptions training_options(const std::string& quality, const std::vector<std::string>& settings) {

@@ -210,7 +210,8 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field("lidar_every",
         o.lidar_every,
         at_least(1),
-        "Iterations for each sweep that is trained on. 1: better LiDAR, slower; more: faster.");
+        "Iterations for each sweep of a LiDAR that is trained on; of several one sweep an iteration at most. 1: "
+        "better LiDAR, slower; more: faster.");
   field.part("", o.image);
   field.part("", o.look);
   field.part("", o.camera);

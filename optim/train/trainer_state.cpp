@@ -59,7 +59,9 @@ TrainOptions fitting(const Device& device,
                      const TrainingOptions& options) {
   static_cast<void>(checked(options));
   need_memory(device, log, scene, options);
-  return with_rates_of_shards(options.train);
+  TrainOptions fitted = with_rates_of_shards(options.train);
+  fitted.lidar_every = iterations_a_sweep(options, log);
+  return fitted;
 }
 
 /// Iterations in which each training frame is looked at once.

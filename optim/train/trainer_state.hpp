@@ -49,7 +49,8 @@ struct TrainerState {
   Scene scene;
   double actor_margin_m = 0.0;
   double sky_from_m;  // most of the way to the camera set's farthest particle as training begins: what is sky
-  TrainOptions options;  // rates those of steps of options.shards frames, iterations as far as is known
+  /// Rates those of steps of options.shards frames, lidar_every of any sweep, iterations as far as is known.
+  TrainOptions options;
   std::uint64_t seed;
   Device device;
   Renderer renderer;

@@ -158,6 +158,29 @@ TEST_F(TrainerTest, SweepsTakeTheirTurns) {
   EXPECT_FALSE((initial_scene().lidar.params.array() == first.array()).all());
 }
 
+TEST_F(TrainerTest, ASecondLidarTakesNoTurnsFromTheFirst) {
+  Log log = log_;
+  log.lidars.push_back(log.lidars.front());
+  std::visit([](auto& model) { model.name = "second"; }, log.lidars.back().model);
+  TrainingOptions o = options(2);
+  o.train.lidar_every = 3;
+  EXPECT_EQ(iterations_a_sweep(o, log), 3) << "no sweep of the second";
+  for (SweepFrame sweep : log_.sweeps) {
+    sweep.lidar = "second";
+    log.sweeps.push_back(sweep);
+  }
+  EXPECT_EQ(iterations_a_sweep(o, log), 2);
+  o.train.lidar_every = 2;
+  EXPECT_EQ(iterations_a_sweep(o, log), 1);
+  Trainer trainer(test::device(), log, initial_scene(), o);
+  trainer.step();
+  const Eigen::MatrixXf first = trainer.scene().lidar.params;
+  trainer.step();
+  EXPECT_FALSE((trainer.scene().lidar.params.array() == first.array()).all());
+  o.frames.held_out_sensors = {"second"};
+  EXPECT_EQ(iterations_a_sweep(o, log), 2);
+}
+
 TEST_F(TrainerTest, ByDefaultTheCameraSetAloneGrowsAndNotForEver) {
   TrainingOptions o = options(60);
   o.train.densify.every = 5;

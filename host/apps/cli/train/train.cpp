@@ -312,7 +312,7 @@ void add_train(Command app, const Globals& globals) {
   sub.option(
          "--iterations",
          [command](const std::string& text) { take_iterations(text, command->options.train); },
-         "one image each, a sweep every lidar_every; auto: until the training frames gain little")
+         "one image each, a LiDAR's sweep every lidar_every; auto: until the training frames gain little")
       .shown_as("INT|auto", fmt::format("{}", command->options.train.iterations));
   add("--max-seconds", command->options.train.max_seconds, "stop training early after this time; 0: never");
   add("--scale", command->options.frames.image_scale, "size of the training pictures over the recorded");
