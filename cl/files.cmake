@@ -33,6 +33,7 @@ set(SIMULI_CL_FILES
   math/response_bwd.h
   math/rounds.h
   math/sensor.h
+  math/sensor_pose.h
   math/sh.h
   math/shutter.h
   math/tile.h

@@ -1,6 +1,6 @@
 // rays.cl - rays of one frame in the world, from the sensor's own rays. Launcher: host/device/render/frame/rays.cpp
-#include "math/actor.h"
-#include "math/sensor.h"
+#include "math/sensor_pose.h"
+#include "shared/layout.h"
 
 /// Turns each slot's sensor-frame ray to the world at its own time. V slots per work-item.
 /// in  sensor_ray[3|7][slots]: unit direction; with ORIGINS also origin (m) and time share of the frame

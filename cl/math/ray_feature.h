@@ -5,9 +5,9 @@
 // which itself becomes the actor of the particle there; the other features mean nothing.
 #ifndef SIMULI_CL_MATH_RAY_FEATURE_H
 #define SIMULI_CL_MATH_RAY_FEATURE_H
-#include "math/actor.h"
 #include "math/sh.h"
 #include "shared/layout.h"
+#include "shared/sensor_constants.h"
 
 #ifndef RAY_SH
 #define RAY_SH 0

@@ -3,7 +3,6 @@
 // Build: ORIGINS = 1 when rays have origins of their own (shutter, spin, lever arms).
 #ifndef SIMULI_CL_MATH_RESPONSE_H
 #define SIMULI_CL_MATH_RESPONSE_H
-#include "math/actor.h"
 #include "math/elementary.h"
 #include "shared/layout.h"
 

@@ -2,6 +2,7 @@
 #ifndef SIMULI_CL_MATH_TILE_H
 #define SIMULI_CL_MATH_TILE_H
 #include "math/response.h"
+#include "shared/sensor_constants.h"
 
 // Rays of a tile in this build: at most SIM_TILE_RAYS.
 #define SIM_WALK_RAYS (V * NR * LS)
