@@ -92,6 +92,14 @@ CourseInOnePiece::CourseInOnePiece(TrainingDrive& drive,
       ray_drop_(std::move(ray_drop)) {}
 
 void CourseInOnePiece::start(const Training::Progress& progress) {
+  place_particles(progress);
+  trainer_->solve_first_colours([&progress](std::size_t done, std::size_t total) {
+    if (progress) progress("first colours", done, total);
+  });
+  trainer_->need_one_state(identity_);
+}
+
+void CourseInOnePiece::place_particles(const Training::Progress& progress) {
   const auto tell = [&progress](std::size_t done, std::size_t total) {
     if (progress) progress("initialise", done, total);
   };
@@ -107,14 +115,13 @@ void CourseInOnePiece::start(const Training::Progress& progress) {
   unmet_ = std::move(begin.unmet);
   if (!ray_drop_.empty()) begin.scene.ray_drop = ray_drop_;
   trainer_ = std::make_unique<Trainer>(drive_.device, log_, std::move(begin.scene), options_, drive_.ranks);
-  trainer_->need_one_state(identity_);
 }
 
 void CourseInOnePiece::resume(const std::filesystem::path& checkpoint,
                               const std::string& tail,
                               const Training::Progress& progress) {
   if (!tail.empty()) throw_input_error(checkpoint.string(), "stretch", tail, "a drive in one piece");
-  if (!trainer_) start(progress);
+  if (!trainer_) place_particles(progress);
   trainer_->resume(checkpoint, identity_);
   trainer_->need_one_state(identity_);
 }

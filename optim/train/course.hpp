@@ -45,7 +45,7 @@ class TrainingCourse {
   TrainingCourse(const TrainingCourse&) = delete;
   TrainingCourse& operator=(const TrainingCourse&) = delete;
 
-  /// Places the first particles.
+  /// Places the first particles and gives them their colours.
   virtual void start(const Training::Progress& progress) = 0;
   /// start(), and then goes on from the checkpoint, whose settings are the drive's and `tail` behind them.
   virtual void resume(const std::filesystem::path& checkpoint,
@@ -91,6 +91,8 @@ class CourseInOnePiece final : public TrainingCourse {
   [[nodiscard]] bool is_filled() const override { return false; }
 
  private:
+  void place_particles(const Training::Progress& progress);
+
   TrainingDrive& drive_;
   const Log& log_;
   TrainingOptions options_;

@@ -56,6 +56,8 @@ class CourseByStretches final : public TrainingCourse {
     return drive_.identity() + stretch_lines(drive_.options.train.iterations, current_, stretches_.size());
   }
   [[nodiscard]] TrainingOptions options() const;
+  /// The current stretch, without a particle yet.
+  void take_stretch();
   void set_status(TrainStatus own);
   /// `file`: that it is kept in; empty: memory.
   void end_stretch(StretchScene part, const std::filesystem::path& file);
@@ -118,7 +120,7 @@ void CourseByStretches::set_status(TrainStatus own) {
   status_.planned = ends_.back();
 }
 
-void CourseByStretches::start(const Training::Progress& progress) {
+void CourseByStretches::take_stretch() {
   log_ = log_of_stretch(current_);
   piece_.emplace(drive_,
                  log_,
@@ -126,6 +128,10 @@ void CourseByStretches::start(const Training::Progress& progress) {
                  identity(),
                  fmt::format("stretch {} of {}: ", current_ + 1, stretches_.size()),
                  current_ > 0 ? ray_drop_.mean() : std::vector<RayDrop>{});
+}
+
+void CourseByStretches::start(const Training::Progress& progress) {
+  take_stretch();
   piece_->start(progress);
   set_status(piece_->status());
 }
@@ -143,8 +149,8 @@ void CourseByStretches::resume(const std::filesystem::path& checkpoint,
   const bool is_done = std::filesystem::exists(file);
   if (is_done) read_done(file);
   if (merged_) return;
-  start(progress);
-  if (is_done) return;
+  if (is_done) return start(progress);
+  take_stretch();
   piece_->resume(checkpoint, {}, progress);
   set_status(piece_->status());
 }

@@ -12,6 +12,7 @@
 #include "host/core/base/error.hpp"
 #include "host/core/scene/particle_order.hpp"
 #include "io/base/state_file.hpp"
+#include "optim/base/frames.hpp"
 #include "optim/state/packed.hpp"
 #include "optim/train/memory.hpp"
 
@@ -183,6 +184,14 @@ TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, con
   status.camera_particles = camera.particles.count;
   status.lidar_particles = lidar.particles.count;
   status.psnr_db = status.distance_m = status.drop_accuracy = std::numeric_limits<double>::quiet_NaN();
+}
+
+Pass TrainerState::show_picture(std::size_t image) {
+  const ImageFrame& frame = log.images[image];
+  Pass pass = renderer.render(
+      camera.particles, truth.camera_rays(frame.camera), view_of(log, scene, frame), look.environment());
+  look.grade(pass, image);
+  return pass;
 }
 
 LearningRates TrainerState::rates(SetNumber number) const {

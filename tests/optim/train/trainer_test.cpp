@@ -305,10 +305,10 @@ TEST_F(TrainerTest, SweepsHoldTheCameraSetWhereTheirReturnsAre) {
 
 TEST_F(TrainerTest, WhatIsNotANumberDoesNoHarmAndIsCounted) {
   Scene scene = initial_scene();
-  const float kNaN = std::numeric_limits<float>::quiet_NaN();
-  for (Eigen::Index i = 0; i < scene.camera.size(); i += 50) scene.camera.sh(0)(i, 1) = kNaN;
-  for (Eigen::Index i = 1; i < scene.lidar.size(); i += 50) scene.lidar.mean()(i, 0) = kNaN;
-  for (Eigen::Index i = 2; i < scene.lidar.size(); i += 50) scene.lidar.opacity_logit()(i) = kNaN;
+  const float kNotANumber = std::numeric_limits<float>::quiet_NaN();
+  for (Eigen::Index i = 0; i < scene.camera.size(); i += 50) scene.camera.sh(0)(i, 1) = kNotANumber;
+  for (Eigen::Index i = 1; i < scene.lidar.size(); i += 50) scene.lidar.mean()(i, 0) = kNotANumber;
+  for (Eigen::Index i = 2; i < scene.lidar.size(); i += 50) scene.lidar.opacity_logit()(i) = kNotANumber;
   for (const bool relocate : {false, true}) {
     TrainingOptions o = options(30);
     o.train.densify.every = relocate ? 10 : 0;
@@ -345,7 +345,7 @@ TEST_F(TrainerTest, SetsWithoutParticlesAreLeftAlone) {
 }
 
 TEST_F(TrainerTest, OptionsOutsideTheirRangeAreUsageErrors) {
-  const double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const double kNotANumber = std::numeric_limits<double>::quiet_NaN();
   const auto expect_refused = [](const std::function<void(TrainingOptions&)>& change) {
     TrainingOptions o = options(1);
     change(o);
@@ -360,11 +360,11 @@ TEST_F(TrainerTest, OptionsOutsideTheirRangeAreUsageErrors) {
   expect_refused([](TrainingOptions& o) { o.train.lidar_every = 0; });
   expect_refused([](TrainingOptions& o) { o.frames.held_out_every = 1; });
   expect_refused([](TrainingOptions& o) { o.frames.image_scale = 0.0; });
-  expect_refused([&](TrainingOptions& o) { o.frames.image_scale = kNaN; });
-  expect_refused([&](TrainingOptions& o) { o.train.max_seconds = kNaN; });
-  expect_refused([&](TrainingOptions& o) { o.train.camera.sh = kNaN; });
+  expect_refused([&](TrainingOptions& o) { o.frames.image_scale = kNotANumber; });
+  expect_refused([&](TrainingOptions& o) { o.train.max_seconds = kNotANumber; });
+  expect_refused([&](TrainingOptions& o) { o.train.camera.sh = kNotANumber; });
   expect_refused([](TrainingOptions& o) { o.train.weights.drop = -1.0; });
-  expect_refused([&](TrainingOptions& o) { o.train.anchor.weight = kNaN; });
+  expect_refused([&](TrainingOptions& o) { o.train.anchor.weight = kNotANumber; });
   expect_refused([](TrainingOptions& o) { o.train.densify.every = -1; });
   expect_refused([](TrainingOptions& o) { o.train.densify.most = 0.5; });
 }
