@@ -14,4 +14,16 @@ namespace simuli {
   return some;
 }
 
+/// Those of `all`, indices into `frames`, whose frame is_own(frame), in their order.
+template <class Frame, class IsOwn>
+[[nodiscard]] std::vector<std::size_t> own_of(const std::vector<std::size_t>& all,
+                                              const std::vector<Frame>& frames,
+                                              const IsOwn& is_own) {
+  std::vector<std::size_t> own;
+  for (const std::size_t i : all) {
+    if (is_own(frames[i])) own.push_back(i);
+  }
+  return own;
+}
+
 }  // namespace simuli

@@ -21,18 +21,6 @@ constexpr double kAround_rad = 0.1;      // beside a gap: what stands there alon
 constexpr double kAround_m = 0.2;        // beyond an actor's box that still shows it
 constexpr int kCameraEdge_px = 2, kLidarEdge = 1;
 
-template <class Frame, class IsOwn>
-std::vector<std::size_t> some_of(const std::vector<std::size_t>& training,
-                                 const std::vector<Frame>& frames,
-                                 std::size_t most,
-                                 const IsOwn& is_own) {
-  std::vector<std::size_t> own;
-  for (const std::size_t i : training) {
-    if (is_own(frames[i])) own.push_back(i);
-  }
-  return evenly_spread(own, most);
-}
-
 /// The same particles, all of one look, so that no colour is clipped.
 GaussianSet of_one_look(const GaussianSet& set) {
   GaussianSet out(set.kind, 0, set.size());
@@ -163,8 +151,8 @@ std::vector<FillView> fill_views(const Log& log,
       const double scale = std::min(frames.image_scale, std::sqrt(kMostPixels / pixels));
       const auto sensor = std::make_shared<const FillSensor>(
           Sensor(scaled_camera(camera.model, scale), camera.rig_from_camera));
-      for (const std::size_t i : some_of(
-               training, log.images, most, [&](const ImageFrame& frame) { return frame.camera == name; })) {
+      const auto is_own = [&](const ImageFrame& frame) { return frame.camera == name; };
+      for (const std::size_t i : evenly_spread(own_of(training, log.images, is_own), most)) {
         views.push_back({sensor, shot_of(log, log.images[i])});
       }
     }
@@ -176,8 +164,8 @@ std::vector<FillView> fill_views(const Log& log,
     Sensor of(lidar.model, lidar.rig_from_lidar);
     if (of.rows() < 2) continue;
     const auto sensor = std::make_shared<const FillSensor>(std::move(of));
-    for (const std::size_t i :
-         some_of(training, log.sweeps, most, [&](const SweepFrame& frame) { return frame.lidar == name; })) {
+    const auto is_own = [&](const SweepFrame& frame) { return frame.lidar == name; };
+    for (const std::size_t i : evenly_spread(own_of(training, log.sweeps, is_own), most)) {
       views.push_back({sensor, shot_of(log, log.sweeps[i])});
     }
   }

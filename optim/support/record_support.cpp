@@ -130,10 +130,8 @@ class Recorder {
   }
 
   void add_camera(const LogCamera& camera, const std::vector<std::size_t>& training) {
-    std::vector<std::size_t> own;
-    for (const std::size_t i : training) {
-      if (log_.images[i].camera == camera.model.name) own.push_back(i);
-    }
+    const std::vector<std::size_t> own = own_of(
+        training, log_.images, [&](const ImageFrame& frame) { return frame.camera == camera.model.name; });
     if (own.empty()) return;
     const Camera scaled = scaled_camera(camera.model, frames_.image_scale);
     record_->sensors.push_back({camera.model.name, SetKind::kCamera, support_grid(scaled)});
@@ -166,10 +164,8 @@ class Recorder {
   }
 
   void add_lidar(const LogLidar& lidar, const std::vector<std::size_t>& training) {
-    std::vector<std::size_t> own;
-    for (const std::size_t i : training) {
-      if (log_.sweeps[i].lidar == name_of(lidar.model)) own.push_back(i);
-    }
+    const std::vector<std::size_t> own = own_of(
+        training, log_.sweeps, [&](const SweepFrame& frame) { return frame.lidar == name_of(lidar.model); });
     if (own.empty()) return;
     record_->sensors.push_back({name_of(lidar.model), SetKind::kLidar, support_grid(lidar.model)});
     for (const std::size_t i : evenly_spread(own, kMostRecordedViews)) add_sweep(log_.sweeps[i], lidar.model);

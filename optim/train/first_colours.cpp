@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "optim/base/evenly_spread.hpp"
@@ -21,10 +20,8 @@ std::vector<std::size_t> some_of_each_camera(const TrainerState& state) {
   const std::size_t most = static_cast<std::size_t>(state.options.iterations) / kIterationsEach;
   std::vector<std::size_t> some;
   for (const LogCamera& camera : state.log.cameras) {
-    std::vector<std::size_t> own;
-    for (const std::size_t i : all) {
-      if (state.log.images[i].camera == camera.model.name) own.push_back(i);
-    }
+    const std::vector<std::size_t> own = own_of(
+        all, state.log.images, [&](const ImageFrame& frame) { return frame.camera == camera.model.name; });
     const std::size_t few = std::min(own.size() / kOneOf, most * own.size() / all.size());
     const std::vector<std::size_t> spread = evenly_spread(own, few);
     some.insert(some.end(), spread.begin(), spread.end());
@@ -55,10 +52,9 @@ void solve_first_colours(TrainerState& state, const std::function<void(std::size
   RealBuffer weight_px(state.device, "weights in pictures", Precision::kFloat, set.particles.count);
   weight_px.fill(0.0);
   const auto rows = static_cast<Eigen::Index>(set.particles.count);
-  const auto colours_of = [&](std::vector<float>& params) {
-    return Eigen::Map<Eigen::ArrayX3f, 0, Eigen::OuterStride<>>(
-        params.data() + kShRow * stride, rows, 3, Eigen::OuterStride<>(static_cast<Eigen::Index>(stride)));
-  };
+  std::vector<float> read(3 * stride);  // the three rows of degree 0, of gradients or parameters
+  Eigen::Map<Eigen::ArrayX3f, 0, Eigen::OuterStride<>> colours(
+      read.data(), rows, 3, Eigen::OuterStride<>(static_cast<Eigen::Index>(stride)));
   Eigen::ArrayX3d missing = Eigen::ArrayX3d::Zero(rows, 3);  // times weight, px
   for (std::size_t done = 0; done < pictures.size(); ++done) {
     if (progress) progress(done, pictures.size());
@@ -70,17 +66,18 @@ void solve_first_colours(TrainerState& state, const std::function<void(std::size
     state.look.backward(pass, index);
     pass.backward(set.particles, set.grads, {.errors = true});
     shares.accumulate(pass.frame(), pass.buffers(), pass.gradients(), weight_px);
-    std::vector<float> grads = set.grads.download_float();
-    missing -= colours_of(grads).cast<double>() / kSh0;
+    set.grads.as_float().download_at(kShRow * stride, read);
+    missing -= colours.cast<double>() / kSh0;
   }
 
   const std::vector<float> shown = weight_px.download_float();
   const Eigen::ArrayXd weight =
       Eigen::Map<const Eigen::ArrayXf>(shown.data(), rows).cast<double>() + kSteady_px;
   const Eigen::ArrayX3d step = missing.colwise() / weight / kSh0;
-  std::vector<float> params = set.particles.params.download_float();
-  colours_of(params) += step.isFinite().select(step, 0.0).cast<float>();
-  set.particles.params.assign(std::span<const float>(params));
+  Buffer<float>& params = set.particles.params.as_float();
+  params.download_at(kShRow * stride, read);
+  colours += step.isFinite().select(step, 0.0).cast<float>();
+  params.upload_at(kShRow * stride, read);
 }
 
 }  // namespace simuli
