@@ -26,14 +26,17 @@ constexpr double kBeforeReturn_m = 0.2;  // a thick surface is no way through it
 using Key = std::uint64_t;
 using Cell = Eigen::Array<std::int64_t, 3, 1>;
 
-Cell cell_of(const Eigen::Vector3d& p, double side_m) {
-  return (p.array() / side_m).floor().cast<std::int64_t>();
+/// Of the 2^21 along each axis around the origin.
+constexpr std::int64_t kMiddle = std::int64_t{1} << 20U;
+
+/// Cut off above 0, which is rounding down without the call that floor() is.
+Cell cell_of(const Eigen::Vector3d& p, double cells_per_m) {
+  return (p.array() * cells_per_m + static_cast<double>(kMiddle)).cast<std::int64_t>() - kMiddle;
 }
 
 /// 21 bits an axis.
 Key key_of(const Cell& cell) {
   const auto bits = [](std::int64_t at) {
-    constexpr std::int64_t kMiddle = std::int64_t{1} << 20U;
     return static_cast<Key>(at + kMiddle) & 0x1fffffU;
   };
   return bits(cell.x()) << 42U | bits(cell.y()) << 21U | bits(cell.z());
@@ -87,12 +90,13 @@ struct DarkStill::Votes {
   template <class BlockOf, class Visit>
   void walk(const Way& way, const BlockOf& block, const Visit& visit) const {
     const double step_m = 0.5 * voxel_m;  // what is only grazed may be missed, and nothing counts twice
+    const double voxels_per_m = 1.0 / voxel_m;
     constexpr std::int64_t kNowhere = std::numeric_limits<std::int64_t>::max();
     Cell last = Cell::Constant(kNowhere), last_block = last;
     Block* votes = nullptr;
     for (double t = way.from_m; t < way.to_m; t += step_m) {
       const Eigen::Vector3d p = way.origin + t * way.direction;
-      const Cell voxel = cell_of(p, voxel_m);
+      const Cell voxel = cell_of(p, voxels_per_m);
       if ((voxel == last).all()) continue;
       last = voxel;
       if (const Cell own = block_of(voxel); (own != last_block).any()) {
