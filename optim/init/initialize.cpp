@@ -115,9 +115,6 @@ double farthest_m(const PointSet& points, const Trajectory& trajectory, const Ei
   return farthest;
 }
 
-/// Pixels of the training picture between points whose depth only pictures tell. Every 2: 22.43 dB for 22.58
-/// on drive 0013, and a start that takes three times as long.
-constexpr int kSweepCell_px = 4;
 /// Degrees between particles of the far shell, seen from the scene's origin: some pixels of a camera. Not
 /// measured.
 constexpr double kShellSpacing_deg = 0.5;
@@ -307,7 +304,7 @@ void Initialisation::add_points_of_pictures() {
   const SkyMasks sky = find_sky();
   if (options_.sweep_depth) {
     const PictureDepths depths{
-        log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, kSweepCell_px, *actors_, sky};
+        log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, *actors_, sky};
     report_.depth_points = depths.add_to(points_, [this] { step(); });
   }
   drop_before_sky(sky);

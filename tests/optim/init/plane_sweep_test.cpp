@@ -1,4 +1,4 @@
-#include "optim/init/initialize_depth.hpp"
+#include "optim/init/plane_sweep.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace simuli {
-namespace initialize_depth_test {
+namespace plane_sweep_test {
 
 constexpr double kWall_m = 12.0;
 
@@ -30,9 +30,15 @@ float texture(double x, double y) {
          b * ((1 - a) * at(k, l + 1) + a * at(k + 1, l + 1));
 }
 
-/// The wall z = kWall_m, textured or plain, seen by a camera at (x, 0, z) that looks along z. `noise`:
-/// standard deviation of its values, other ones for each `seed`.
-SweepPicture see_wall(double x, bool textured, double z = 0.0, double noise = 0.0, std::uint32_t seed = 0) {
+/// What is plain of the wall, by height over its middle, m.
+struct Plain {
+  double below_m = 0.0;
+};
+constexpr Plain kAll{1e9}, kNothing{};
+
+/// The wall z = kWall_m seen by a camera at (x, 0, z) that looks along z. `noise`: standard deviation of its values,
+/// other ones for each `seed`.
+SweepPicture see_wall(double x, Plain plain, double z = 0.0, double noise = 0.0, std::uint32_t seed = 0) {
   const Pose at{Eigen::Quaterniond::Identity(), {x, 0.0, z}};
   const ImageView view(camera(), at, at);
   std::mt19937 random(seed);
@@ -42,7 +48,8 @@ SweepPicture see_wall(double x, bool textured, double z = 0.0, double noise = 0.
     for (int column = 0; column < 160; ++column) {
       const Eigen::Vector3d d = camera().unproject({column + 0.5, row + 0.5});
       const double t = (kWall_m - z) / d.z();
-      const float grey = textured ? texture(x + t * d.x(), t * d.y()) : 0.5F;
+      const bool is_plain = std::abs(t * d.y()) < plain.below_m;
+      const float grey = is_plain ? 0.5F : texture(x + t * d.x(), t * d.y());
       const auto value = static_cast<float>(static_cast<double>(grey) + off(random));
       for (int c = 0; c < 3; ++c) image.at(column, row, c) = value;
     }
@@ -53,27 +60,42 @@ SweepPicture see_wall(double x, bool textured, double z = 0.0, double noise = 0.
 Coverage coverage(bool covered) { return {8, 20, 15, std::vector<std::uint8_t>(20 * 15, covered ? 1 : 0)}; }
 
 TEST(SweepDepths, FindsATexturedWall) {
-  const SweepPicture left = see_wall(-1.0, true), middle = see_wall(0.0, true), right = see_wall(1.0, true);
+  const SweepPicture left = see_wall(-1.0, kNothing), middle = see_wall(0.0, kNothing),
+                     right = see_wall(1.0, kNothing);
   const auto points = sweep_depths(middle, {&left, &right}, coverage(false));
-  // Of 20 x 15 cells those at the sides are not seen by both others.
-  ASSERT_GT(points.size(), 150U);
+  // Of 80 x 60 pixels those at the sides are not seen by both others.
+  ASSERT_GT(points.size(), 2400U);
   std::size_t near = 0;
-  // Steps of inverse distance: 0.0052 / m, so 0.75 m at 12 m, of which rounding takes half; twice that.
-  for (const Eigen::Vector3d& p : points) near += std::abs(p.z() - kWall_m) < 0.75 ? 1U : 0U;
+  // Steps of inverse distance: 0.0026 / m, so 0.37 m at 12 m, of which a parabola leaves less than half.
+  for (const Eigen::Vector3d& p : points) near += std::abs(p.z() - kWall_m) < 0.15 ? 1U : 0U;
   EXPECT_GT(static_cast<double>(near), 0.9 * static_cast<double>(points.size()));
 }
 
 TEST(SweepDepths, PlainSurfacesHaveNoDistance) {
-  const SweepPicture left = see_wall(-1.0, false), middle = see_wall(0.0, false),
-                     right = see_wall(1.0, false);
+  const SweepPicture left = see_wall(-1.0, kAll), middle = see_wall(0.0, kAll), right = see_wall(1.0, kAll);
   EXPECT_TRUE(sweep_depths(middle, {&left, &right}, coverage(false)).empty());
+}
+
+/// A band of 1.2 m is 6 pixels high: patches in its middle show nothing else.
+TEST(SweepDepths, NarrowPlainSurfacesAreAsFarAsWhatIsAround) {
+  constexpr Plain kBand{0.6};
+  const SweepPicture left = see_wall(-1.0, kBand), middle = see_wall(0.0, kBand),
+                     right = see_wall(1.0, kBand);
+  std::size_t in_middle = 0, near = 0;
+  for (const Eigen::Vector3d& p : sweep_depths(middle, {&left, &right}, coverage(false))) {
+    if (std::abs(p.y()) > 0.15) continue;
+    ++in_middle;
+    near += std::abs(p.z() - kWall_m) < 0.5 ? 1U : 0U;
+  }
+  EXPECT_GT(in_middle, 80U);  // of 2 x 80, of which those at the sides are not seen by both others
+  EXPECT_GT(static_cast<double>(near), 0.9 * static_cast<double>(in_middle));
 }
 
 /// As a camera sees them that drives towards them.
 TEST(SweepDepths, PicturesFarApartTellOfWhatIsAhead) {
   const auto found = [](double step_m) {
     std::vector<SweepPicture> pictures;
-    for (int i = -4; i <= 4; ++i) pictures.push_back(see_wall(0.0, true, step_m * i));
+    for (int i = -4; i <= 4; ++i) pictures.push_back(see_wall(0.0, kNothing, step_m * i));
     std::vector<const SweepPicture*> others;
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       if (i != 4) others.push_back(&pictures[i]);
@@ -84,38 +106,39 @@ TEST(SweepDepths, PicturesFarApartTellOfWhatIsAhead) {
     }
     return near;
   };
-  EXPECT_GT(found(0.8), 150U);
-  EXPECT_LT(3 * found(0.02), found(0.8));
+  EXPECT_GT(found(0.8), 2400U);
+  EXPECT_LT(3 * found(0.002), found(0.8));
 }
 
 TEST(SweepDepths, NoiseHasNoDistance) {
   std::vector<SweepPicture> pictures;
-  for (std::uint32_t i = 0; i < 9; ++i) pictures.push_back(see_wall(0.5 * i - 2.0, false, 0.0, 0.02, i));
+  for (std::uint32_t i = 0; i < 9; ++i) pictures.push_back(see_wall(0.5 * i - 2.0, kAll, 0.0, 0.02, i));
   std::vector<const SweepPicture*> others;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     if (i != 4) others.push_back(&pictures[i]);
   }
   const auto points = sweep_depths(pictures[4], others, coverage(false));
-  EXPECT_LT(points.size(), 30U);  // of 300 cells
+  EXPECT_LT(points.size(), 480U);  // of 4800
 }
 
 TEST(SweepDepths, SkyHasNoDistance) {
-  const SweepPicture left = see_wall(-1.0, true), right = see_wall(1.0, true);
-  SweepPicture middle = see_wall(0.0, true);
+  const SweepPicture left = see_wall(-1.0, kNothing), right = see_wall(1.0, kNothing);
+  SweepPicture middle = see_wall(0.0, kNothing);
   std::vector<bool> left_half(160 * 120);
   for (std::size_t i = 0; i < left_half.size(); ++i) left_half[i] = i % 160 < 80;
   middle.sky = SkyMask(160, 120, std::move(left_half));
   const auto points = sweep_depths(middle, {&left, &right}, coverage(false));
-  EXPECT_GT(points.size(), 75U);
+  EXPECT_GT(points.size(), 1200U);
   for (const Eigen::Vector3d& p : points) EXPECT_GT(p.x(), 0.0);
 }
 
 TEST(SweepDepths, CoveredCellsAndTooFewPicturesGiveNothing) {
-  const SweepPicture left = see_wall(-1.0, true), middle = see_wall(0.0, true), right = see_wall(1.0, true);
+  const SweepPicture left = see_wall(-1.0, kNothing), middle = see_wall(0.0, kNothing),
+                     right = see_wall(1.0, kNothing);
   EXPECT_TRUE(sweep_depths(middle, {&left, &right}, coverage(true)).empty());
   EXPECT_TRUE(sweep_depths(middle, {&left}, coverage(false)).empty());
   EXPECT_TRUE(sweep_depths(middle, {}, coverage(false)).empty());
 }
 
-}  // namespace initialize_depth_test
+}  // namespace plane_sweep_test
 }  // namespace simuli
