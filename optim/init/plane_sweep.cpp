@@ -117,12 +117,10 @@ class Matching {
         asked_(asked),
         columns_((asked.width + kLattice_px - 1) / kLattice_px + 1),
         rows_((asked.height + kLattice_px - 1) / kLattice_px + 1),
-        taken_in_(asked.number.size(), 0),
         nodes_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
-    for (const Eigen::Vector2i& at : asked.at) take_in_around(at.x(), at.y());
     for (int row = 0; row + 1 < rows_; ++row) {
       for (int column = 0; column + 1 < columns_; ++column) {
-        if (takes_in_any(column, row)) add_cell(column, row);
+        if (is_asked_for(column, row)) add_cell(column, row);
       }
     }
   }
@@ -171,17 +169,14 @@ class Matching {
     picture_.view.unproject({x + 0.5, y + 0.5}, ray.origin, ray.direction);
     return ray;
   }
-  void take_in_around(int x, int y) {
-    for (int v = std::max(y - kPatchReach, 0); v <= std::min(y + kPatchReach, asked_.height - 1); ++v) {
-      for (int u = std::max(x - kPatchReach, 0); u <= std::min(x + kPatchReach, asked_.width - 1); ++u) {
-        taken_in_[asked_.index(u, v)] = 1;
-      }
-    }
-  }
-  [[nodiscard]] bool takes_in_any(int column, int row) const {
-    for (int y = row * kLattice_px; y < std::min((row + 1) * kLattice_px, asked_.height); ++y) {
-      for (int x = column * kLattice_px; x < std::min((column + 1) * kLattice_px, asked_.width); ++x) {
-        if (taken_in_[asked_.index(x, y)] != 0) return true;
+  /// Whether the patch of a pixel that is asked for reaches into a cell.
+  [[nodiscard]] bool is_asked_for(int column, int row) const {
+    const int left = column * kLattice_px, top = row * kLattice_px;
+    const int right = std::min(left + kLattice_px + kPatchReach, asked_.width);
+    const int bottom = std::min(top + kLattice_px + kPatchReach, asked_.height);
+    for (int y = std::max(top - kPatchReach, 0); y < bottom; ++y) {
+      for (int x = std::max(left - kPatchReach, 0); x < right; ++x) {
+        if (asked_.number[asked_.index(x, y)] != Asked::kNot) return true;
       }
     }
     return false;
@@ -257,7 +252,6 @@ class Matching {
     };
     for (int y = cell.top; y < std::min(cell.top + kLattice_px, asked_.height); ++y) {
       for (int x = cell.left; x < std::min(cell.left + kLattice_px, asked_.width); ++x) {
-        if (taken_in_[asked_.index(x, y)] == 0) continue;
         const std::optional<Eigen::Vector2f> place =
             all ? between(static_cast<float>(x - cell.left) / kLattice_px,
                           static_cast<float>(y - cell.top) / kLattice_px)
@@ -272,10 +266,9 @@ class Matching {
   const SweepPicture& picture_;
   const std::vector<const SweepPicture*>& others_;
   const Asked& asked_;
-  int columns_, rows_;                  // of the lattice
-  std::vector<std::uint8_t> taken_in_;  // [height][width], by a patch
-  std::vector<Ray> nodes_;              // [rows][columns]; none where no pixel is taken in
-  std::vector<Cell> cells_;             // with pixels that are
+  int columns_, rows_;       // of the lattice
+  std::vector<Ray> nodes_;   // [rows][columns]; none where no pixel is asked for
+  std::vector<Cell> cells_;  // between four nodes that have rays
 };
 
 /// One way's costs along a row of pixels.
