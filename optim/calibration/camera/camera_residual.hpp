@@ -55,7 +55,7 @@ inline bool pixel_of(const JetCamera& jets, const double* p_camera, double* pixe
 }
 
 /// Signed distance, over sigma_px, of a world point's pixel from a line in the picture. The camera is
-/// mounted by (rotation, translation) = rig_from_camera; the rig is at share u of the way from pose 0 to pose
+/// mounted by rig_from_camera, a PoseBlock; the rig is at share u of the way from pose 0 to pose
 /// 1 at the pixel's recorded time, and time_offset later (or earlier) when the clock is off.
 struct PointOnLine {
   const JetCamera* camera;
@@ -68,28 +68,28 @@ struct PointOnLine {
   double sigma_px;
 
   template <class T>
-  bool operator()(const T* rotation, const T* translation, const T* time_offset, T* out) const {
+  bool operator()(const T* rig_from_camera, const T* time_offset, T* out) const {
     const PoseBlock start(from.pose);
     const PoseBlock end(to.pose);
     const double span_s = to.time_s - from.time_s;
     double whole_turn[3];
-    relative_rotation(start.rotation.data(), end.rotation.data(), whole_turn);
+    relative_rotation(start.data(), end.data(), whole_turn);
     const T u = (T(time_s - from.time_s) + time_offset[0]) / T(span_s);
     // world -> rig at that time -> camera
     T p[3];
     for (int k = 0; k < 3; ++k) {
-      p[k] = T(p_world[k]) - (T(1.0) - u) * T(start.translation[static_cast<std::size_t>(k)]) -
-             u * T(end.translation[static_cast<std::size_t>(k)]);
+      p[k] = T(p_world[k]) - (T(1.0) - u) * T(from.pose.translation[k]) - u * T(to.pose.translation[k]);
     }
-    const T start_from_world[4] = {
-        T(start.rotation[0]), T(-start.rotation[1]), T(-start.rotation[2]), T(-start.rotation[3])};
-    T q[3];
-    ceres::UnitQuaternionRotatePoint(start_from_world, p, q);
+    const double* const q = start.data();
+    const T start_from_world[4] = {T(q[0]), T(-q[1]), T(-q[2]), T(-q[3])};
+    T in_start[3];
+    ceres::UnitQuaternionRotatePoint(start_from_world, p, in_start);
     const T back[3] = {-u * T(whole_turn[0]), -u * T(whole_turn[1]), -u * T(whole_turn[2])};
     T p_rig[3];
-    ceres::AngleAxisRotatePoint(back, q, p_rig);
-    for (int k = 0; k < 3; ++k) p_rig[k] -= translation[k];
-    const T camera_from_rig[4] = {rotation[0], -rotation[1], -rotation[2], -rotation[3]};
+    ceres::AngleAxisRotatePoint(back, in_start, p_rig);
+    for (int k = 0; k < 3; ++k) p_rig[k] -= rig_from_camera[4 + k];
+    const T camera_from_rig[4] = {
+        rig_from_camera[0], -rig_from_camera[1], -rig_from_camera[2], -rig_from_camera[3]};
     T p_camera[3];
     ceres::UnitQuaternionRotatePoint(camera_from_rig, p_rig, p_camera);
     T pixel[2];

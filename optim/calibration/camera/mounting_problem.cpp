@@ -51,10 +51,7 @@ struct TimePrior {
 
 double distance_px(const PointOnLine& line, const MountingState& state) {
   double error = 0.0;
-  const bool seen = line(state.rig_from_camera.rotation.data(),
-                         state.rig_from_camera.translation.data(),
-                         &state.time_offset_s,
-                         &error);
+  const bool seen = line(state.rig_from_camera.data(), &state.time_offset_s, &error);
   return seen ? std::abs(error) * line.sigma_px : INFINITY;
 }
 
@@ -160,26 +157,22 @@ MountingProblem::MountingProblem(const std::vector<Match>& matches,
                                  bool with_time,
                                  MountingState& state)
     : state_(state) {
-  double* const rotation = state.rig_from_camera.rotation.data();
-  double* const translation = state.rig_from_camera.translation.data();
-  problem_.AddParameterBlock(rotation, 4, new ceres::QuaternionManifold);
-  problem_.AddParameterBlock(translation, 3);
+  double* const mounting = state.rig_from_camera.data();
+  problem_.AddParameterBlock(mounting, PoseBlock::kSize, new PoseBlock::Manifold);
   problem_.AddParameterBlock(&state.time_offset_s, 1);
   auto* const cauchy = new ceres::CauchyLoss(loss);
   for (const Match& match : matches) {
     if (!match.found) continue;
     problem_.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<PointOnLine, 1, 4, 3, 1>(new PointOnLine(match.line)),
+        new ceres::AutoDiffCostFunction<PointOnLine, 1, PoseBlock::kSize, 1>(new PointOnLine(match.line)),
         cauchy,
-        rotation,
-        translation,
+        mounting,
         &state.time_offset_s);
   }
-  problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, 4, 3>(new PosePrior{
+  problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, PoseBlock::kSize>(new PosePrior{
                                 given.rig_from_camera, kPriorRotation_rad, kPriorTranslation_m}),
                             nullptr,
-                            rotation,
-                            translation);
+                            mounting);
   if (with_time) {
     problem_.AddResidualBlock(
         new ceres::AutoDiffCostFunction<TimePrior, 1, 1>(new TimePrior), nullptr, &state.time_offset_s);
@@ -205,8 +198,7 @@ Eigen::MatrixXd MountingProblem::covariance(bool with_time) {
   ceres::Covariance::Options how;
   how.algorithm_type = ceres::DENSE_SVD;
   ceres::Covariance covariance(how);
-  std::vector<const double*> blocks{state_.rig_from_camera.rotation.data(),
-                                    state_.rig_from_camera.translation.data()};
+  std::vector<const double*> blocks{state_.rig_from_camera.data()};
   if (with_time) blocks.push_back(&state_.time_offset_s);
   const Eigen::Index size = with_time ? 7 : 6;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> out(size, size);

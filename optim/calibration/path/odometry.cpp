@@ -90,32 +90,27 @@ double solve(
   PoseBlock end(r.end.pose);
   ceres::Problem problem;
   for (PoseBlock* block : {&start, &end}) {
-    problem.AddParameterBlock(block->rotation.data(), 4, new ceres::QuaternionManifold);
-    problem.AddParameterBlock(block->translation.data(), 3);
+    problem.AddParameterBlock(block->data(), PoseBlock::kSize, new PoseBlock::Manifold);
   }
   auto* const loss = new ceres::CauchyLoss(loss_m / kPointSigma_m);  // the problem deletes it, once
   const double span_s = r.end.time_s - r.start.time_s;
   for (const Match& m : r.matches) {
     const Plane& plane = map.plane(m.plane);
     const double u = (returns.time_s[m.point] - r.start.time_s) / span_s;
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PointOnPlane, 1, 4, 3, 4, 3>(
-                                 new PointOnPlane{returns.p_rig[m.point],
-                                                  u,
-                                                  plane.centre,
-                                                  plane.normal,
-                                                  std::hypot(kPointSigma_m, plane.thickness_m)}),
+    problem.AddResidualBlock(new PointOnPlane(returns.p_rig[m.point],
+                                              u,
+                                              plane.centre,
+                                              plane.normal,
+                                              std::hypot(kPointSigma_m, plane.thickness_m)),
                              loss,
-                             start.rotation.data(),
-                             start.translation.data(),
-                             end.rotation.data(),
-                             end.translation.data());
+                             start.data(),
+                             end.data());
   }
   // The path is continuous: the sweep starts about where the one before it ended.
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, 4, 3>(
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, PoseBlock::kSize>(
                                new PosePrior{PoseBlock(before.pose), 0.05 * kDegree, 0.01}),
                            nullptr,
-                           start.rotation.data(),
-                           start.translation.data());
+                           start.data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = 4;

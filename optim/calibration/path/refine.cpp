@@ -117,13 +117,17 @@ class Asking : public ceres::IterationCallback {
 };
 
 /// An iteration takes as long as a person waits; its residuals ask, too.
-struct AskingPointOnPlane : PointOnFreePlane {
-  Asking* asking;
-
+class AskingPointOnPlane final : public PointOnFreePlane {
+ public:
   template <class... Ts>
-  bool operator()(Ts... of) const {
-    return asking->goes_on() && PointOnFreePlane::operator()(of...);
+  explicit AskingPointOnPlane(Asking& asking, const Ts&... point)
+      : PointOnFreePlane(point...), asking_(asking) {}
+  bool Evaluate(double const* const* blocks, double* out, double** derivatives) const override {
+    return asking_.goes_on() && PointOnFreePlane::Evaluate(blocks, out, derivatives);
   }
+
+ private:
+  Asking& asking_;
 };
 
 class JointProblem {
@@ -134,8 +138,7 @@ class JointProblem {
       : planes_(planes) {
     for (const TimedPose& knot : path) blocks_.emplace_back(knot.pose);
     for (PoseBlock& block : blocks_) {
-      problem_.AddParameterBlock(block.rotation.data(), 4, new ceres::QuaternionManifold);
-      problem_.AddParameterBlock(block.translation.data(), 3);
+      problem_.AddParameterBlock(block.data(), PoseBlock::kSize, new PoseBlock::Manifold);
     }
     auto* const loss = new ceres::CauchyLoss(kLoss_m / kPointSigma_m);
     for (FreePlane& plane : planes) {
@@ -146,15 +149,13 @@ class JointProblem {
       auto* const prior_loss = new ceres::HuberLoss(2.0);
       for (std::size_t i = 0; i < path.size(); ++i) {
         const PoseBlock believed(prior->world_from_rig.at(path[i].time_s));
-        problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, 4, 3>(
+        problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, PoseBlock::kSize>(
                                       new PosePrior{believed, prior->sigma_rad, prior->sigma_m}),
                                   prior_loss,
-                                  blocks_[i].rotation.data(),
-                                  blocks_[i].translation.data());
+                                  blocks_[i].data());
       }
     } else {
-      problem_.SetParameterBlockConstant(blocks_[0].rotation.data());
-      problem_.SetParameterBlockConstant(blocks_[0].translation.data());
+      problem_.SetParameterBlockConstant(blocks_[0].data());
     }
   }
 
@@ -167,10 +168,7 @@ class JointProblem {
     options.logging_type = ceres::SILENT;
     auto* const ordering = new ceres::ParameterBlockOrdering;
     for (FreePlane& plane : planes_) ordering->AddElementToGroup(plane.change.data(), 0);
-    for (PoseBlock& block : blocks_) {
-      ordering->AddElementToGroup(block.rotation.data(), 1);
-      ordering->AddElementToGroup(block.translation.data(), 1);
-    }
+    for (PoseBlock& block : blocks_) ordering->AddElementToGroup(block.data(), 1);
     options.linear_solver_ordering.reset(ordering);
     options.callbacks.push_back(&asking_);
     ceres::Solver::Summary summary;
@@ -190,9 +188,7 @@ class JointProblem {
         static_cast<Eigen::Index>(std::min(blocks_.size(), kMostKnots)) - 1;  // the first is fixed
     ceres::Problem::EvaluateOptions what;
     for (Eigen::Index i = 1; i <= knots; ++i) {
-      PoseBlock& block = blocks_[static_cast<std::size_t>(i)];
-      what.parameter_blocks.push_back(block.rotation.data());
-      what.parameter_blocks.push_back(block.translation.data());
+      what.parameter_blocks.push_back(blocks_[static_cast<std::size_t>(i)].data());
     }
     for (FreePlane& plane : planes_) what.parameter_blocks.push_back(plane.change.data());
     what.apply_loss_function = false;
@@ -259,20 +255,13 @@ class JointProblem {
 
  private:
   void add(FreePlane& plane, ceres::LossFunction* loss) {
-    const Vector3d first = plane.plane.normal.unitOrthogonal();
-    const Vector3d second = plane.plane.normal.cross(first);
     for (const Observation& seen : plane.observations) {
-      PoseBlock& start = blocks_[seen.segment];
-      PoseBlock& end = blocks_[seen.segment + 1];
       problem_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<AskingPointOnPlane, 1, 4, 3, 4, 3, 3>(new AskingPointOnPlane{
-              {seen.p_rig, seen.u, plane.plane.centre, plane.plane.normal, first, second, kPointSigma_m},
-              &asking_}),
+          new AskingPointOnPlane(
+              asking_, seen.p_rig, seen.u, plane.plane.centre, plane.plane.normal, kPointSigma_m),
           loss,
-          start.rotation.data(),
-          start.translation.data(),
-          end.rotation.data(),
-          end.translation.data(),
+          blocks_[seen.segment].data(),
+          blocks_[seen.segment + 1].data(),
           plane.change.data());
     }
   }

@@ -1,10 +1,16 @@
 #pragma once
-// Residuals for Ceres, written once for doubles and Jets (automatic derivatives). Rotations are quaternions
-// (w, x, y, z). Included by the sources of this folder and their tests alone.
+// Residuals for Ceres. Those of a few blocks are written once for doubles and Jets (automatic derivatives); those of
+// points on planes, hundreds of thousands in a log, know their derivatives. Included by the sources of this
+// folder, of camera/ and their tests alone.
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <ceres/autodiff_cost_function.h>
+#include <ceres/manifold.h>
+#include <ceres/product_manifold.h>
 #include <ceres/rotation.h>
+#include <ceres/sized_cost_function.h>
+#include <cmath>
 
 #include "host/core/base/pose.hpp"
 
@@ -13,18 +19,28 @@ namespace simuli::calibration {
 /// Of a return about the plane that it lies on.
 inline constexpr double kPointSigma_m = 0.02;
 
-/// A pose as Ceres changes it.
+/// A pose as Ceres changes it: a quaternion (w, x, y, z), then the translation. One block, so that what a solver does
+/// block by block it does for six freedoms at once.
 struct PoseBlock {
-  std::array<double, 4> rotation{1.0, 0.0, 0.0, 0.0};
-  std::array<double, 3> translation{0.0, 0.0, 0.0};
+  static constexpr int kSize = 7;
+  using Manifold = ceres::ProductManifold<ceres::QuaternionManifold, ceres::EuclideanManifold<3>>;
+  std::array<double, kSize> numbers{1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
 
   PoseBlock() = default;
   explicit PoseBlock(const Pose& pose)
-      : rotation{pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()},
-        translation{pose.translation.x(), pose.translation.y(), pose.translation.z()} {}
-  [[nodiscard]] Pose pose() const {
-    return {Eigen::Quaterniond(rotation[0], rotation[1], rotation[2], rotation[3]).normalized(),
-            {translation[0], translation[1], translation[2]}};
+      : numbers{pose.rotation.w(),
+                pose.rotation.x(),
+                pose.rotation.y(),
+                pose.rotation.z(),
+                pose.translation.x(),
+                pose.translation.y(),
+                pose.translation.z()} {}
+  [[nodiscard]] double* data() { return numbers.data(); }
+  [[nodiscard]] const double* data() const { return numbers.data(); }
+  [[nodiscard]] Pose pose() const { return pose_of(numbers.data()); }
+  [[nodiscard]] static Pose pose_of(const double* numbers) {
+    return {Eigen::Quaterniond(numbers[0], numbers[1], numbers[2], numbers[3]).normalized(),
+            {numbers[4], numbers[5], numbers[6]}};
   }
 };
 
@@ -37,79 +53,120 @@ void relative_rotation(const T* a_from_b, const T* a_from_c, T* b_from_c) {
   ceres::QuaternionToAngleAxis(turn, b_from_c);
 }
 
-/// p in world at share u of the way from pose 0 to pose 1: slerp and centre lerp, as host/core/base/pose.hpp.
-template <class T>
-void moved_point(const T* rotation_0,
-                 const T* translation_0,
-                 const T* rotation_1,
-                 const T* translation_1,
-                 double u,
-                 const Eigen::Vector3d& p_rig,
-                 T* p_world) {
-  T turn[3];
-  relative_rotation(rotation_0, rotation_1, turn);
-  for (T& angle : turn) angle *= T(u);
-  const T p[3] = {T(p_rig.x()), T(p_rig.y()), T(p_rig.z())};
-  T in_rig_0[3];
-  ceres::AngleAxisRotatePoint(turn, p, in_rig_0);
-  ceres::UnitQuaternionRotatePoint(rotation_0, in_rig_0, p_world);
-  for (int k = 0; k < 3; ++k) p_world[k] += T(1.0 - u) * translation_0[k] + T(u) * translation_1[k];
-}
+/// A point of the rig at share u of the way from one pose to another: slerp and centre lerp, as
+/// host/core/base/pose.hpp.
+class MovedPoint {
+ public:
+  /// `start`, `end`: PoseBlocks' numbers.
+  MovedPoint(const double* start, const double* end, double u, const Eigen::Vector3d& p_rig)
+      : start_(PoseBlock::pose_of(start)), end_(PoseBlock::pose_of(end)), u_(u) {
+    turn_ = Eigen::AngleAxisd(start_.rotation.conjugate() * end_.rotation);
+    arm_ = start_.rotation * (Eigen::AngleAxisd(u * turn_.angle(), turn_.axis()) * p_rig);
+    p_world_ = arm_ + (1.0 - u) * start_.translation + u * end_.translation;
+  }
+  [[nodiscard]] const Eigen::Vector3d& p_world() const { return p_world_; }
+
+  /// Derivatives of (along * p_world) by the numbers of both poses (null: not asked for), on their manifold.
+  ///
+  /// Turn the poses by small a and b about the world's axes: what lies between them turns by a + M (b - a). Across
+  /// the axis of the whole turn t, in the complex plane whose unit turns a quarter about it, M is
+  /// (1 - exp(i u t)) / (1 - exp(i t)) = exp(-i (1 - u) t / 2) sin(u t / 2) / sin(t / 2); along the axis it is u.
+  void differentiate(const Eigen::Vector3d& along, double* by_start, double* by_end) const {
+    const Eigen::Vector3d by_turn = arm_.cross(along);
+    const Eigen::Vector3d axis = start_.rotation * turn_.axis();
+    const double half = 0.5 * turn_.angle();
+    const double ratio = half > kLeastTurn_rad ? std::sin(u_ * half) / std::sin(half) : u_;
+    const double angle = (1.0 - u_) * half;
+    const Eigen::Vector3d parallel = axis.dot(by_turn) * axis, across = by_turn - parallel;
+    const Eigen::Vector3d of_end =
+        u_ * parallel + ratio * (std::cos(angle) * across + std::sin(angle) * axis.cross(across));
+    if (by_start != nullptr) put(start_.rotation, by_turn - of_end, (1.0 - u_) * along, by_start);
+    if (by_end != nullptr) put(end_.rotation, of_end, u_ * along, by_end);
+  }
+
+ private:
+  static constexpr double kLeastTurn_rad = 1e-9;
+
+  /// Ceres turns q to (1, d) q: the derivative by q that gives 2 by_turn along each d, and 0 along q.
+  static void put(const Eigen::Quaterniond& q,
+                  const Eigen::Vector3d& by_turn,
+                  const Eigen::Vector3d& by_translation,
+                  double* numbers) {
+    const Eigen::Vector3d turn = 2.0 * by_turn;
+    Eigen::Map<Eigen::Matrix<double, PoseBlock::kSize, 1>> out(numbers);
+    out << -turn.dot(q.vec()), q.w() * turn + turn.cross(q.vec()), by_translation;
+  }
+
+  Pose start_, end_;
+  double u_;
+  Eigen::AngleAxisd turn_;  // from start to end, about an axis of the rig at the start
+  Eigen::Vector3d arm_, p_world_;
+};
 
 /// Distance of a moved point from a plane, over sigma_m.
-struct PointOnPlane {
-  Eigen::Vector3d p_rig;
-  double u;  // share of the way between the two poses
-  Eigen::Vector3d centre;
-  Eigen::Vector3d normal;
-  double sigma_m;
+class PointOnPlane final : public ceres::SizedCostFunction<1, PoseBlock::kSize, PoseBlock::kSize> {
+ public:
+  PointOnPlane(const Eigen::Vector3d& p_rig,
+               double u,
+               const Eigen::Vector3d& centre,
+               const Eigen::Vector3d& normal,
+               double sigma_m)
+      : p_rig_(p_rig), u_(u), centre_(centre), weighted_normal_(normal / sigma_m) {}
 
-  template <class T>
-  bool operator()(const T* rotation_0,
-                  const T* translation_0,
-                  const T* rotation_1,
-                  const T* translation_1,
-                  T* out) const {
-    T p[3];
-    moved_point(rotation_0, translation_0, rotation_1, translation_1, u, p_rig, p);
-    out[0] = ((p[0] - centre.x()) * normal.x() + (p[1] - centre.y()) * normal.y() +
-              (p[2] - centre.z()) * normal.z()) /
-             T(sigma_m);
+  bool Evaluate(double const* const* blocks, double* out, double** derivatives) const override {
+    const MovedPoint moved(blocks[0], blocks[1], u_, p_rig_);
+    out[0] = weighted_normal_.dot(moved.p_world() - centre_);
+    if (derivatives != nullptr) moved.differentiate(weighted_normal_, derivatives[0], derivatives[1]);
     return true;
   }
+
+ private:
+  Eigen::Vector3d p_rig_;
+  double u_;  // share of the way between the two poses
+  Eigen::Vector3d centre_, weighted_normal_;
 };
 
 /// The same where the plane is unknown too: it is tilted by plane[0], plane[1] (slopes along `first` and
 /// `second`, which with the normal make a frame) and moved by plane[2] m along its normal.
-struct PointOnFreePlane {
-  Eigen::Vector3d p_rig;
-  double u;
-  Eigen::Vector3d centre;
-  Eigen::Vector3d normal;
-  Eigen::Vector3d first;
-  Eigen::Vector3d second;
-  double sigma_m;
+class PointOnFreePlane : public ceres::SizedCostFunction<1, PoseBlock::kSize, PoseBlock::kSize, 3> {
+ public:
+  PointOnFreePlane(const Eigen::Vector3d& p_rig,
+                   double u,
+                   const Eigen::Vector3d& centre,
+                   const Eigen::Vector3d& normal,
+                   double sigma_m)
+      : p_rig_(p_rig),
+        u_(u),
+        centre_(centre),
+        normal_(normal),
+        first_(normal.unitOrthogonal()),
+        second_(normal.cross(first_)),
+        sigma_m_(sigma_m) {}
 
-  template <class T>
-  bool operator()(const T* rotation_0,
-                  const T* translation_0,
-                  const T* rotation_1,
-                  const T* translation_1,
-                  const T* plane,
-                  T* out) const {
-    T p[3];
-    moved_point(rotation_0, translation_0, rotation_1, translation_1, u, p_rig, p);
-    T along[3] = {T(0.0), T(0.0), T(0.0)};  // normal, first, second
-    for (int k = 0; k < 3; ++k) {
-      const T d = p[k] - centre[k];
-      along[0] += d * normal[k];
-      along[1] += d * first[k];
-      along[2] += d * second[k];
+  bool Evaluate(double const* const* blocks, double* out, double** derivatives) const override {
+    const MovedPoint moved(blocks[0], blocks[1], u_, p_rig_);
+    const double* const plane = blocks[2];
+    const Eigen::Vector3d off = moved.p_world() - centre_;
+    const double weight = 1.0 / (sigma_m_ * std::sqrt(1.0 + plane[0] * plane[0] + plane[1] * plane[1]));
+    const Eigen::Vector3d tilted = weight * (normal_ + plane[0] * first_ + plane[1] * second_);
+    const double distance = tilted.dot(off);
+    out[0] = distance - plane[2] / sigma_m_;
+    if (derivatives == nullptr) return true;
+    moved.differentiate(tilted, derivatives[0], derivatives[1]);
+    if (derivatives[2] != nullptr) {
+      const double shrunk = distance * weight * weight * sigma_m_ * sigma_m_;
+      derivatives[2][0] = weight * first_.dot(off) - shrunk * plane[0];
+      derivatives[2][1] = weight * second_.dot(off) - shrunk * plane[1];
+      derivatives[2][2] = -1.0 / sigma_m_;
     }
-    const T length = sqrt(T(1.0) + plane[0] * plane[0] + plane[1] * plane[1]);
-    out[0] = ((along[0] + plane[0] * along[1] + plane[1] * along[2]) / length - plane[2]) / T(sigma_m);
     return true;
   }
+
+ private:
+  Eigen::Vector3d p_rig_;
+  double u_;
+  Eigen::Vector3d centre_, normal_, first_, second_;
+  double sigma_m_;
 };
 
 /// A pose against what is believed of it: rotation vector over sigma_rad, then translation over sigma_m.
@@ -119,13 +176,13 @@ struct PosePrior {
   double sigma_m;
 
   template <class T>
-  bool operator()(const T* rotation, const T* translation, T* out) const {
-    const T from[4] = {
-        T(believed.rotation[0]), T(believed.rotation[1]), T(believed.rotation[2]), T(believed.rotation[3])};
-    relative_rotation(from, rotation, out);
+  bool operator()(const T* pose, T* out) const {
+    const double* const from = believed.data();
+    const T rotation[4] = {T(from[0]), T(from[1]), T(from[2]), T(from[3])};
+    relative_rotation(rotation, pose, out);
     for (int k = 0; k < 3; ++k) {
       out[k] /= T(sigma_rad);
-      out[3 + k] = (translation[k] - believed.translation[k]) / T(sigma_m);
+      out[3 + k] = (pose[4 + k] - from[4 + k]) / T(sigma_m);
     }
     return true;
   }
