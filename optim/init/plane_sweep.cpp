@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -26,6 +27,9 @@ constexpr std::size_t kLeastViews = 2;  // that must agree
 constexpr float kStepCost = 0.01F, kJumpCost = 0.05F;
 constexpr double kLikeSteps = 2.0;  // between distances that confirm each other
 constexpr double kSureShare = 0.3;  // of the pixels around one, that do
+// Side of the blocks of pixels of which one becomes a point. Drive 0013, quarter size, 200 iterations: each pixel 24.48
+// dB with 339 k particles, 2: 24.60 with 311 k, 3: 24.39. Half size, 500 iterations: 24.96, 2: 25.19, 4: 24.90 dB.
+constexpr int kBlock_px = 2;
 
 /// Step 0 lies beyond kSweepFarthest_m, steps between two in between.
 double distance_of(double step) {
@@ -397,6 +401,25 @@ bool is_confirmed(const Asked& asked, const std::vector<Step>& steps, std::size_
   return sure >= kSureShare * all;
 }
 
+/// Of each block that has confirmed pixels the one that others show best. `own`: [asked][kDistances]
+std::vector<std::uint32_t> best_of_blocks(const Asked& asked,
+                                          const std::vector<float>& own,
+                                          const std::vector<Step>& steps) {
+  const auto cost = [&](std::uint32_t i) {
+    return own[i * std::size_t{kDistances} + static_cast<std::size_t>(std::lround(steps[i].at))];
+  };
+  std::map<std::array<int, 2>, std::uint32_t> best;
+  for (std::uint32_t i = 0; i < steps.size(); ++i) {
+    if (steps[i].at == 0.0 || !is_confirmed(asked, steps, i)) continue;
+    const auto [block, is_first] =
+        best.try_emplace({asked.at[i].y() / kBlock_px, asked.at[i].x() / kBlock_px}, i);
+    if (!is_first && cost(i) < cost(block->second)) block->second = i;
+  }
+  std::vector<std::uint32_t> out;
+  for (const auto& [block, i] : best) out.push_back(i);
+  return out;
+}
+
 }  // namespace
 
 SweepPicture sweep_picture(const ImageView& view, const Image& image, SkyMask sky) {
@@ -428,8 +451,7 @@ std::vector<Eigen::Vector3d> sweep_depths(const SweepPicture& picture,
   for (std::size_t i = 0; i < steps.size(); ++i) {
     steps[i] = step_of(&own[i * kDistances], &costs[i * kDistances]);
   }
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (steps[i].at == 0.0 || !is_confirmed(asked, steps, i)) continue;
+  for (const std::uint32_t i : best_of_blocks(asked, own, steps)) {
     Eigen::Vector3d origin, direction;
     picture.view.unproject(asked.at[i].cast<double>() + Eigen::Vector2d::Constant(0.5), origin, direction);
     if (!direction.isZero()) points.emplace_back(origin + distance_of(steps[i].at) * direction);

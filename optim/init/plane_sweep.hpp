@@ -26,8 +26,9 @@ struct SweepPicture {
 inline constexpr double kSweepNearest_m = 3.0;
 inline constexpr double kSweepFarthest_m = 100.0;
 
-/// A point of the scene frame for each pixel of `picture` whose cell of `coverage` is empty with its neighbours and
-/// whose surroundings at least two of `others` show at one and the same distance, up to kSweepFarthest_m. Pixels that
+/// A point of the scene frame for each block of 2 x 2 pixels of `picture`: the pixel that `others` show best of those
+/// whose cell of `coverage` is empty with its neighbours and whose surroundings at least two of `others` show at one and
+/// the same distance, up to kSweepFarthest_m. Pixels that
 /// look alike at many distances count as farther away; there is no point of what looks alike at most of them, nor of
 /// sky. `coverage` is of the picture before it was halved.
 [[nodiscard]] std::vector<Eigen::Vector3d> sweep_depths(const SweepPicture& picture,
