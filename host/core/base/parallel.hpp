@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <exception>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -11,35 +12,41 @@
 namespace simuli {
 
 /// Runs f(begin, end) over [0, count) in equal parts on all cores. For work in which each index is handled
-/// alone, so that the split does not show in the result. f must not throw. A part smaller than `smallest` is
-/// not worth a thread. Throws what Interruption::ask() does, in between.
+/// alone, so that the split does not show in the result. A part smaller than `smallest` is not worth a thread.
+/// Throws what f does, and what Interruption::ask() does in between.
 template <class F>
 void parallel_ranges(std::size_t count, const F& f, std::size_t smallest = 4096) {
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   const std::size_t parts = std::clamp<std::size_t>(count / smallest, 1, cores);
   std::atomic<bool> is_ended{false};
-  const auto run = [&](std::size_t i, const auto& between) {
+  std::vector<std::exception_ptr> thrown(parts);
+  const auto run = [&](std::size_t i) {
     const std::size_t end = count * (i + 1) / parts, piece = 16 * smallest;
-    for (std::size_t begin = count * i / parts; begin < end && !is_ended; begin += piece) {
-      between();
-      f(begin, std::min(begin + piece, end));
+    try {
+      for (std::size_t begin = count * i / parts; begin < end && !is_ended; begin += piece) {
+        if (i == 0) Interruption::ask();  // the caller's thread
+        f(begin, std::min(begin + piece, end));
+      }
+    } catch (...) {
+      thrown[i] = std::current_exception();
+      is_ended = true;
     }
   };
-  std::vector<std::jthread> threads;
-  threads.reserve(parts - 1);
-  for (std::size_t i = 1; i < parts; ++i) {
-    const auto part = [&run, i] { run(i, [] {}); };
-    try {
-      threads.emplace_back(part);
-    } catch (const std::system_error&) {  // no memory for another thread's stack
-      part();
+  {
+    std::vector<std::jthread> threads;
+    threads.reserve(parts - 1);
+    for (std::size_t i = 1; i < parts; ++i) {
+      const auto part = [&run, i] { run(i); };
+      try {
+        threads.emplace_back(part);
+      } catch (const std::system_error&) {  // no memory for another thread's stack
+        part();
+      }
     }
+    run(0);
   }
-  try {
-    run(0, Interruption::ask);
-  } catch (...) {
-    is_ended = true;
-    throw;
+  for (const std::exception_ptr& e : thrown) {
+    if (e) std::rethrow_exception(e);
   }
 }
 
