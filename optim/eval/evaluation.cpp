@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <deque>
 #include <fmt/format.h>
+#include <future>
 #include <limits>
 #include <map>
 #include <set>
@@ -21,6 +23,7 @@
 #include "optim/eval/score_sums.hpp"
 #include "optim/eval/sweep_pair.hpp"
 #include "optim/init/initialize_actors.hpp"
+#include "optim/init/initialize_views.hpp"
 
 namespace simuli {
 namespace {
@@ -147,6 +150,29 @@ double square_of(const Image& rendered, const Image& truth, std::size_t pixel) {
   return square;
 }
 
+/// Frames that are scored at a time, beside the rendering of the next: each has some pictures of its own.
+constexpr std::size_t kScoredAtOnce = 4;
+
+template <class Score>
+struct Scored {
+  Scored(FrameScore of, ErrorPools empty) : pools(std::move(empty)) {
+    static_cast<FrameScore&>(score) = std::move(of);
+  }
+  Score score;
+  ErrorPools pools;
+};
+
+/// Those in `view` that the picture can't show are not there.
+void leave_out_unseen(const Camera& camera, const std::vector<Actor>& actors, View& view) {
+  const ViewCone cone(ImageView(camera, view.scene_from_sensor_start, view.scene_from_sensor_end));
+  for (std::size_t i = 0; i < actors.size(); ++i) {
+    const Eigen::Vector3d &start = view.actors[i].scene_from_actor_start.translation,
+                          &end = view.actors[i].scene_from_actor_end.translation;
+    const double radius_m = 0.5 * (actors[i].size_m.norm() + (end - start).norm());
+    if (!cone.may_meet(0.5 * (start + end), radius_m)) view.actors[i].is_there = false;
+  }
+}
+
 }  // namespace
 
 /// One evaluation: what its two halves share.
@@ -178,17 +204,22 @@ class Evaluation::Run {
   void sweeps();
   void take_uses();
   void take_sensors();
-  [[nodiscard]] PictureScore score_picture(const ImageFrame& frame, ErrorPools& pools);
-  [[nodiscard]] SweepScore score_sweep(const SweepFrame& frame, ErrorPools& pools);
-  void pool_pixels(const ImageFrame& frame, const Image& rendered, const Image& truth, ErrorPools& pools);
+  [[nodiscard]] Scored<PictureScore> score_picture(std::size_t index,
+                                                   Image rendered,
+                                                   const std::vector<SeenReturn>& seen) const;
+  [[nodiscard]] Scored<SweepScore> score_sweep(std::size_t index, const SweepPair& pair) const;
+  void pool_pixels(const ImageFrame& frame,
+                   const PicturePair& pair,
+                   const std::vector<SeenReturn>& seen,
+                   ErrorPools& pools) const;
   void pool_rays(const SweepFrame& frame, const SweepPair& pair, ErrorPools& pools) const;
   void time_picture(const ImageFrame& frame);
   void time_sweep(const SweepFrame& frame);
 
-  [[nodiscard]] ActorBoxes boxes(const Shot& shot, SetKind kind) const {
+  [[nodiscard]] View view_with_actors(const Shot& shot, SetKind kind) const {
     View view = view_of(of_.scene_.scene, shot, kind);
     view.actors = actors_during(actors_, shot, of_.scene_.scene.origin);
-    return {actors_, view};
+    return view;
   }
   [[nodiscard]] ErrorPool& pool_of(int actor, ErrorPools& pools) const {
     if (actor == ActorBoxes::kNone) return pools.by_kind.back();
@@ -196,17 +227,30 @@ class Evaluation::Run {
     return pools.by_kind[static_cast<std::size_t>(kind - kinds_.begin())];
   }
   [[nodiscard]] ErrorPools pools() const { return ErrorPools(kinds_.empty() ? 0 : kinds_.size() + 1); }
-  /// `uses`: of the frames, as EvalFrames has them.
-  template <class Score>
-  void add(const Score& score,
-           const ErrorPools& pools,
-           const std::vector<FrameUse>& uses,
-           std::size_t index) {
-    all_.add(score, pools);
-    if (!uses.empty()) by_use_.try_emplace(uses[index], kinds_).first->second.add(score, pools);
-    by_sensor_.try_emplace(score.sensor, kinds_).first->second.add(score, pools);
-    ++done_;
-    if (progress_) progress_(done_, of_.frames_.images.size() + of_.frames_.sweeps.size());
+  /// `uses`: of the frames, as EvalFrames has them. start(index) renders a frame of those and scores it in time;
+  /// sums are taken in the frames' order.
+  template <class Score, class Start>
+  [[nodiscard]] std::vector<Score> scored(const std::vector<std::size_t>& frames,
+                                          const std::vector<FrameUse>& uses,
+                                          const Start& start) {
+    std::vector<Score> out;
+    std::deque<std::future<Scored<Score>>> under_way;
+    const auto take = [&] {
+      auto [score, pools] = under_way.front().get();
+      under_way.pop_front();
+      all_.add(score, pools);
+      if (!uses.empty()) by_use_.try_emplace(uses[score.index], kinds_).first->second.add(score, pools);
+      by_sensor_.try_emplace(score.sensor, kinds_).first->second.add(score, pools);
+      out.push_back(std::move(score));
+      ++done_;
+      if (progress_) progress_(done_, of_.frames_.images.size() + of_.frames_.sweeps.size());
+    };
+    for (const std::size_t index : frames) {
+      if (under_way.size() == kScoredAtOnce) take();
+      under_way.push_back(start(index));
+    }
+    while (!under_way.empty()) take();
+    return out;
   }
 
   Evaluation& of_;
@@ -255,44 +299,47 @@ void Evaluation::Run::time_picture(const ImageFrame& frame) {
 void Evaluation::Run::images() {
   const EvalFrames& frames = of_.frames_;
   if (!frames.images.empty()) time_picture(of_.log_.images[frames.images.front()]);
-  for (const std::size_t index : frames.images) {
-    ErrorPools errors = pools();
+  report_.picture_scores = scored<PictureScore>(frames.images, frames.image_uses, [this](std::size_t index) {
     const ImageFrame& frame = of_.log_.images[index];
-    PictureScore score = score_picture(frame, errors);
-    static_cast<FrameScore&>(score) = {index, frame.camera, frame.time_start_s};
-    add(score, errors, frames.image_uses, index);
-    report_.picture_scores.push_back(std::move(score));
-  }
+    const Camera camera = of_.camera(frame);
+    return std::async([this,
+                       index,
+                       rendered = of_.on_device_.render(Sensor(camera), shot_of(of_.log_, frame)).image(),
+                       seen = returns_near_.in(frame, camera)]() mutable {
+      return score_picture(index, std::move(rendered), seen);
+    });
+  });
 }
 
-PictureScore Evaluation::Run::score_picture(const ImageFrame& frame, ErrorPools& pools) {
-  const Sensor camera(of_.camera(frame));
-  const Shot shot = shot_of(of_.log_, frame);
-  const Image rendered = of_.on_device_.render(camera, shot).image();
-  const Image truth = load_image(of_.log_, frame, camera.camera());
-  PictureScore score;
-  score.psnr_db = psnr_db(rendered, truth);
-  score.ssim = ssim(rendered, truth);
-  score.flip = flip(rendered, truth);
-  score.psnr_corrected_db = psnr_corrected_db(rendered, truth);
-  pool_pixels(frame, rendered, truth, pools);
-  return score;
+Scored<PictureScore> Evaluation::Run::score_picture(std::size_t index,
+                                                    Image rendered,
+                                                    const std::vector<SeenReturn>& seen) const {
+  const ImageFrame& frame = of_.log_.images[index];
+  const PicturePair pair{std::move(rendered), load_image(of_.log_, frame, of_.camera(frame))};
+  Scored<PictureScore> out({index, frame.camera, frame.time_start_s}, pools());
+  out.score.psnr_db = psnr_db(pair.rendered, pair.recorded);
+  out.score.ssim = ssim(pair.rendered, pair.recorded);
+  out.score.flip = flip(pair.rendered, pair.recorded);
+  out.score.psnr_corrected_db = psnr_corrected_db(pair.rendered, pair.recorded);
+  pool_pixels(frame, pair, seen, out.pools);
+  return out;
 }
 
 void Evaluation::Run::pool_pixels(const ImageFrame& frame,
-                                  const Image& rendered,
-                                  const Image& truth,
-                                  ErrorPools& pools) {
-  const Camera camera = of_.camera(frame);
+                                  const PicturePair& pair,
+                                  const std::vector<SeenReturn>& seen,
+                                  ErrorPools& pools) const {
+  const auto add = [&](ErrorPool& pool, std::size_t pixel) {
+    if (is_known(pair.recorded, pixel)) pool.add_pixel(square_of(pair.rendered, pair.recorded, pixel));
+  };
   if (!actors_.empty()) {
-    const auto on = pixels_on_actors(boxes(shot_of(of_.log_, frame), SetKind::kCamera), camera);
-    for (std::size_t i = 0; i < on.size(); ++i) {
-      if (is_known(truth, i)) pool_of(on[i], pools).add_pixel(square_of(rendered, truth, i));
-    }
+    const Camera camera = of_.camera(frame);
+    View view = view_with_actors(shot_of(of_.log_, frame), SetKind::kCamera);
+    leave_out_unseen(camera, actors_, view);
+    const auto on = pixels_on_actors({actors_, view}, camera);
+    for (std::size_t i = 0; i < on.size(); ++i) add(pool_of(on[i], pools), i);
   }
-  for (const SeenReturn& seen : returns_near_.in(frame, camera)) {
-    if (is_known(truth, seen.pixel)) pools.at(seen.range_m).add_pixel(square_of(rendered, truth, seen.pixel));
-  }
+  for (const SeenReturn& s : seen) add(pools.at(s.range_m), s.pixel);
 }
 
 void Evaluation::Run::time_sweep(const SweepFrame& frame) {
@@ -307,26 +354,22 @@ void Evaluation::Run::time_sweep(const SweepFrame& frame) {
 void Evaluation::Run::sweeps() {
   const EvalFrames& frames = of_.frames_;
   if (!frames.sweeps.empty()) time_sweep(of_.log_.sweeps[frames.sweeps.front()]);
-  for (const std::size_t index : frames.sweeps) {
-    ErrorPools errors = pools();
-    const SweepFrame& frame = of_.log_.sweeps[index];
-    SweepScore score = score_sweep(frame, errors);
-    static_cast<FrameScore&>(score) = {index, frame.lidar, frame.time_start_s};
-    add(score, errors, frames.sweep_uses, index);
-    report_.sweep_scores.push_back(std::move(score));
-  }
+  report_.sweep_scores = scored<SweepScore>(frames.sweeps, frames.sweep_uses, [this](std::size_t index) {
+    return std::async([this, index, pair = render_sweep(of_.on_device_, of_.log_, of_.log_.sweeps[index])] {
+      return score_sweep(index, pair);
+    });
+  });
 }
 
-SweepScore Evaluation::Run::score_sweep(const SweepFrame& frame, ErrorPools& pools) {
-  const Shot shot = shot_of(of_.log_, frame);
-  const SweepPair pair = render_sweep(of_.on_device_, of_.log_, frame);
-  pool_rays(frame, pair, pools);
-  const Shot in_scene = shot.relative_to(of_.scene_.scene.origin);
-  SweepScore score;
-  score.metrics =
-      compare_sweep(compare_rays(pair, of_.log_.lidar(frame.lidar).model, in_scene, score.share_own));
-  score.expected_median_m = expected_median_m(pair);
-  return score;
+Scored<SweepScore> Evaluation::Run::score_sweep(std::size_t index, const SweepPair& pair) const {
+  const SweepFrame& frame = of_.log_.sweeps[index];
+  const Shot in_scene = shot_of(of_.log_, frame).relative_to(of_.scene_.scene.origin);
+  Scored<SweepScore> out({index, frame.lidar, frame.time_start_s}, pools());
+  out.score.metrics =
+      compare_sweep(compare_rays(pair, of_.log_.lidar(frame.lidar).model, in_scene, out.score.share_own));
+  out.score.expected_median_m = expected_median_m(pair);
+  pool_rays(frame, pair, out.pools);
+  return out;
 }
 
 void Evaluation::Run::pool_rays(const SweepFrame& frame, const SweepPair& pair, ErrorPools& pools) const {
@@ -334,8 +377,8 @@ void Evaluation::Run::pool_rays(const SweepFrame& frame, const SweepPair& pair, 
   const LidarModel& lidar = of_.log_.lidar(frame.lidar).model;
   std::vector<int> on(range.size(), ActorBoxes::kNone);
   if (!actors_.empty()) {
-    on =
-        returns_on_actors(boxes(shot_of(of_.log_, frame), SetKind::kLidar), lidar, pair.recorded.rays, range);
+    const View view = view_with_actors(shot_of(of_.log_, frame), SetKind::kLidar);
+    on = returns_on_actors({actors_, view}, lidar, pair.recorded.rays, range);
   }
   for (std::size_t i = 0; i < range.size(); ++i) {
     if (meets_own_vehicle(lidar, pair.recorded.rays, i)) continue;
