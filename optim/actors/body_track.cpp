@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "host/core/base/interruption.hpp"
 #include "host/core/base/parallel.hpp"
 #include "host/core/base/spread.hpp"
 #include "optim/init/actor_tracks.hpp"
@@ -145,12 +144,15 @@ std::vector<BodyReturn> all_returns(const SweepSeries& series,
                                     const BodyTrack& track,
                                     const Eigen::AlignedBox3d& box,
                                     const TakenReturns& taken) {
+  std::vector<std::vector<BodyReturn>> of_keys(track.keys());
+  parallel_ranges(
+      of_keys.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) of_keys[k] = returns_of(series, track, k, box, taken);
+      },
+      1);
   std::vector<BodyReturn> out;
-  for (std::size_t k = 0; k < track.keys(); ++k) {
-    Interruption::ask();
-    const std::vector<BodyReturn> here = returns_of(series, track, k, box, taken);
-    out.insert(out.end(), here.begin(), here.end());
-  }
+  for (const std::vector<BodyReturn>& here : of_keys) out.insert(out.end(), here.begin(), here.end());
   return out;
 }
 

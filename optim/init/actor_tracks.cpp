@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/core/base/interruption.hpp"
+#include "host/core/base/parallel.hpp"
 
 namespace simuli {
 namespace {
@@ -28,6 +29,7 @@ constexpr std::size_t kLeast = 6;     // returns of a voxel that make a surface
 constexpr double kSigma_m = 0.03;     // of a return about it
 constexpr double kCauchy = 3.0;       // standard deviations
 constexpr double kReturnsOfKey = 50;  // no key pose hears more than as many would say: neighbours err alike
+constexpr std::size_t kReturnsOfPart = 1024;  // whose sums one core takes
 
 /// The normal distribution of the returns in a voxel.
 struct Surface {
@@ -75,6 +77,12 @@ class Equations {
  private:
   std::map<std::pair<std::size_t, std::size_t>, Matrix6> blocks_;
   Eigen::VectorXd gradient_;
+};
+
+/// What the returns between two key poses add to the blocks of these.
+struct KeySums {
+  std::array<Matrix6, 3> square{Matrix6::Zero(), Matrix6::Zero(), Matrix6::Zero()};  // first, both, second
+  std::array<Vector6, 2> gradient{Vector6::Zero(), Vector6::Zero()};
 };
 
 /// Labels and accelerations as believed.
@@ -129,28 +137,38 @@ void register_track(Actor& actor, const std::vector<ActorReturn>& returns, const
   std::vector<KeyPose>& track = actor.track;
   if (track.size() < 2 || returns.empty()) return;
   std::vector<double> heard(track.size(), 0.0);
-  for (const ActorReturn& r : returns) {
-    const KeyShare at = actor.key_share(r.time_s);
-    heard[at.key] += 1.0 - at.share;
-    heard[at.key + 1] += at.share;
+  std::vector<KeyShare> between(returns.size());
+  for (std::size_t i = 0; i < returns.size(); ++i) {
+    between[i] = actor.key_share(returns[i].time_s);
+    heard[between[i].key] += 1.0 - between[i].share;
+    heard[between[i].key + 1] += between[i].share;
   }
+  using Cell = std::array<int, 3>;
+  std::vector<Pose> world_from_actor(returns.size());
+  std::vector<Vector3d> p_actor(returns.size());
+  std::vector<const Surface*> surface_of(returns.size());
   for (const double voxel_m : kVoxel_m) {
     Interruption::ask();
-    using Cell = std::array<int, 3>;
+    std::vector<Pose> keys;
+    for (const KeyPose& key : track) keys.push_back(key.corrected());
+    parallel_ranges(
+        returns.size(),
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t i = begin; i < end; ++i) {
+            const auto& [key, share] = between[i];
+            world_from_actor[i] = interpolate(keys[key], keys[key + 1], share);
+            p_actor[i] = world_from_actor[i].inverse() * returns[i].p_world;
+          }
+        },
+        kReturnsOfPart);
     std::map<Cell, Surface> surfaces;
-    std::vector<Pose> world_from_actor;
-    std::vector<Vector3d> p_actor;
-    const auto cell_of = [&](const Vector3d& p) {
-      const Eigen::Vector3i c = (p / voxel_m).array().floor().cast<int>();
-      return Cell{c.x(), c.y(), c.z()};
-    };
-    for (const ActorReturn& r : returns) {
-      world_from_actor.push_back(actor.at(r.time_s));
-      p_actor.emplace_back(world_from_actor.back().inverse() * r.p_world);
-      Surface& surface = surfaces[cell_of(p_actor.back())];
-      surface.mean += p_actor.back();
-      surface.squares += p_actor.back() * p_actor.back().transpose();
+    for (std::size_t i = 0; i < returns.size(); ++i) {
+      const Eigen::Vector3i c = (p_actor[i] / voxel_m).array().floor().cast<int>();
+      Surface& surface = surfaces[{c.x(), c.y(), c.z()}];
+      surface.mean += p_actor[i];
+      surface.squares += p_actor[i] * p_actor[i].transpose();
       ++surface.count;
+      surface_of[i] = &surface;
     }
     for (auto& [cell, s] : surfaces) {
       const auto count = static_cast<double>(s.count);
@@ -159,15 +177,13 @@ void register_track(Actor& actor, const std::vector<ActorReturn>& returns, const
       s.squares = surface_information(covariance, kSigma_m, voxel_m);
     }
 
-    Equations equations(track.size());
-    add_prior(actor, prior, equations);
-    for (std::size_t i = 0; i < returns.size(); ++i) {
-      const Surface& surface = surfaces.at(cell_of(p_actor[i]));
-      if (surface.count < kLeast) continue;
+    const auto add = [&](std::size_t i, KeySums& sums) {
+      const Surface& surface = *surface_of[i];
+      if (surface.count < kLeast) return;
       const Vector3d off = p_actor[i] - surface.mean;
       const Vector3d pulled = surface.squares * off;
-      const KeyShare at = actor.key_share(returns[i].time_s);
-      const double heard_here = (1.0 - at.share) * heard[at.key] + at.share * heard[at.key + 1];
+      const auto& [key, share] = between[i];
+      const double heard_here = (1.0 - share) * heard[key] + share * heard[key + 1];
       const double weight =
           std::min(1.0, kReturnsOfKey / heard_here) / (1.0 + off.dot(pulled) / (kCauchy * kCauchy));
       // p_actor = R^T (p - c); a turn w about c takes R to (1 + [w]) R.
@@ -175,13 +191,35 @@ void register_track(Actor& actor, const std::vector<ActorReturn>& returns, const
       Matrix36 slope;
       slope << -actor_from_world,
           actor_from_world * cross_matrix(returns[i].p_world - world_from_actor[i].translation);
-      const Matrix6 square = weight * slope.transpose() * surface.squares * slope;
-      const Vector6 gradient = weight * slope.transpose() * pulled;
-      const std::array<double, 2> share{1.0 - at.share, at.share};
-      for (std::size_t a = 0; a < 2; ++a) {
-        equations.add(at.key + a, share[a] * gradient);
-        for (std::size_t b = 0; b < 2; ++b)
-          equations.add(at.key + a, at.key + b, share[a] * share[b] * square);
+      const Matrix36 weighted = weight * surface.squares * slope;
+      const Matrix6 square = slope.transpose() * weighted;
+      const Vector6 gradient = weight * (slope.transpose() * pulled);
+      sums.square[0] += (1.0 - share) * (1.0 - share) * square;
+      sums.square[1] += (1.0 - share) * share * square;
+      sums.square[2] += share * share * square;
+      sums.gradient[0] += (1.0 - share) * gradient;
+      sums.gradient[1] += share * gradient;
+    };
+    // Sums of parts of one size, in their order: the same for any number of cores.
+    const std::size_t parts = (returns.size() + kReturnsOfPart - 1) / kReturnsOfPart;
+    std::vector<std::map<std::size_t, KeySums>> of_parts(parts);
+    parallel_ranges(
+        parts,
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t part = begin; part < end; ++part) {
+            const std::size_t last = std::min((part + 1) * kReturnsOfPart, returns.size());
+            for (std::size_t i = part * kReturnsOfPart; i < last; ++i) add(i, of_parts[part][between[i].key]);
+          }
+        },
+        1);
+    Equations equations(track.size());
+    add_prior(actor, prior, equations);
+    for (const auto& of_part : of_parts) {
+      for (const auto& [key, sums] : of_part) {
+        for (std::size_t a = 0; a < 2; ++a) {
+          equations.add(key + a, sums.gradient[a]);
+          for (std::size_t b = 0; b < 2; ++b) equations.add(key + a, key + b, sums.square[a + b]);
+        }
       }
     }
     const Eigen::VectorXd step = equations.step();

@@ -92,8 +92,8 @@ void DarkSurfaces::add(const PosedSweep& posed, double time_start_s, double time
   parallel_ranges(rays.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) rays[i] = ray_in_scene(posed, i);
   });
-  for (std::size_t a = 0; a < actors_.size(); ++a) {
-    if (!actors_[a].is_there(time_start_s) && !actors_[a].is_there(time_end_s)) continue;
+  const auto add_to = [&](std::size_t a) {
+    if (!actors_[a].is_there(time_start_s) && !actors_[a].is_there(time_end_s)) return;
     const Pose start = scene_from_actor(actors_[a], time_start_s, scene_origin_),
                end = scene_from_actor(actors_[a], time_end_s, scene_origin_);
     const Eigen::Vector3d middle = 0.5 * (start.translation + end.translation);
@@ -106,7 +106,13 @@ void DarkSurfaces::add(const PosedSweep& posed, double time_start_s, double time
       if (!actors_[a].is_there(time_s) || is_blind(posed.lidar, sweep.rays, i)) continue;
       add_ray(a, scene_from_actor(actors_[a], time_s, scene_origin_), origin, direction, sweep.range[i]);
     }
-  }
+  };
+  parallel_ranges(
+      actors_.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t a = begin; a < end; ++a) add_to(a);
+      },
+      1);
 }
 
 std::vector<PointSet> DarkSurfaces::points() const {

@@ -145,16 +145,27 @@ bool ActorPoints::add(const Eigen::Vector3d& p_scene,
 
 void ActorPoints::finish(VoxelGrid& background) {
   const Ground ground(background.averages());
-  std::vector<Return> kept;
-  std::vector<std::vector<ActorReturn>> by_actor(actors_.size());
-  for (const Return& r : returns_) {
+  const auto is_road = [&](const Return& r) {
     const double bottom_m = -0.5 * actors_[r.actor].size_m.z();
     const Pose pose = scene_from_actor(r.actor, r.time_s);
     const double above_bottom_m = (pose.inverse() * r.p_scene).z() - bottom_m;
+    if (!(above_bottom_m < kLow_m)) return false;
     const double foot_m = (pose * Eigen::Vector3d(0.0, 0.0, bottom_m)).z();
     const std::optional<double> ground_m = ground.height_m(r.p_scene, foot_m);
-    const bool low = ground_m ? r.p_scene.z() - *ground_m < kGround_m : above_bottom_m < kRoad_m;
-    if (low && above_bottom_m < kLow_m) {
+    return ground_m ? r.p_scene.z() - *ground_m < kGround_m : above_bottom_m < kRoad_m;
+  };
+  std::vector<std::uint8_t> of_road(returns_.size());
+  parallel_ranges(
+      returns_.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) of_road[i] = is_road(returns_[i]) ? 1 : 0;
+      },
+      1024);
+  std::vector<Return> kept;
+  std::vector<std::vector<ActorReturn>> by_actor(actors_.size());
+  for (std::size_t i = 0; i < returns_.size(); ++i) {
+    const Return& r = returns_[i];
+    if (of_road[i] != 0) {
       background.add(r.p_scene, r.intensity);
       continue;
     }
@@ -191,7 +202,12 @@ std::size_t ActorPoints::camera_count() const {
 
 PointSet ActorPoints::placed(const PointSet& background, double time_s, const ImageView& view) const {
   constexpr float kNowhere = std::numeric_limits<float>::quiet_NaN();
-  PointSet out = background;
+  struct Before {
+    BallBefore ball;
+    Pose actor_from_scene;
+    Eigen::Vector3d half, from;  // from: the eye, in the actor's frame
+  };
+  std::vector<Before> all_before;
   const ViewCone cone(view);
   const Eigen::Vector3d eye = view.origin();
   for (std::size_t i = 0; i < actors_.size(); ++i) {
@@ -201,16 +217,28 @@ PointSet ActorPoints::placed(const PointSet& background, double time_s, const Im
     // The way to what the picture shows stays in its cone.
     if (!cone.may_meet(scene_from_actor_then.translation, half.norm())) continue;
     const Pose actor_from_scene = scene_from_actor_then.inverse();
-    const Eigen::Vector3d from = actor_from_scene * eye;
-    const BallBefore ball(scene_from_actor_then.translation, half.norm(), eye);
-    for (Eigen::Index k = 0; k < out.position.cols(); ++k) {
-      if (!ball.may_hide(background.position.col(k))) continue;
-      const Eigen::Vector3d way = actor_from_scene * out.position.col(k).cast<double>() - from;
-      const Eigen::Array3d a = (-half - from).array() / way.array(), b = (half - from).array() / way.array();
-      const double enter = a.min(b).maxCoeff(), leave = a.max(b).minCoeff();
-      if (enter > 0.0 && enter < leave && leave < 1.0) out.position.col(k).setConstant(kNowhere);
-    }
+    all_before.push_back({BallBefore(scene_from_actor_then.translation, half.norm(), eye),
+                          actor_from_scene,
+                          half,
+                          actor_from_scene * eye});
   }
+  const auto hides = [](const Before& before, const Eigen::Vector3f& point) {
+    if (!before.ball.may_hide(point)) return false;
+    const Eigen::Vector3d way = before.actor_from_scene * point.cast<double>() - before.from;
+    const Eigen::Array3d a = (-before.half - before.from).array() / way.array(),
+                         b = (before.half - before.from).array() / way.array();
+    const double enter = a.min(b).maxCoeff(), leave = a.max(b).minCoeff();
+    return enter > 0.0 && enter < leave && leave < 1.0;
+  };
+  PointSet out = background;
+  parallel_ranges(background.size(), [&](std::size_t begin, std::size_t end) {
+    for (auto k = static_cast<Eigen::Index>(begin); k < static_cast<Eigen::Index>(end); ++k) {
+      const Eigen::Vector3f point = background.position.col(k);
+      const bool hidden = std::any_of(
+          all_before.begin(), all_before.end(), [&](const Before& before) { return hides(before, point); });
+      if (hidden) out.position.col(k).setConstant(kNowhere);
+    }
+  });
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     PointSet moved = camera_points_[i];
     if (actors_[i].is_there(time_s)) {

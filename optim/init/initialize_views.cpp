@@ -217,18 +217,21 @@ Coverage look_at_points(const ImageView& view,
     nearest.add(s.pixel, s.range_m, radius_px);
   }
   // ... then the colour of every point that nothing nearer hides.
-  for (const SeenPoint& s : seen) {
-    PointLook& look = looks[s.index];
-    if (nearest.hide(s.pixel, s.range_m)) continue;
-    const Eigen::Vector3f colour = sample_bilinear(image, s.pixel);
-    ++look.images;
-    look.colours.extend(colour);
-    const auto range_m = static_cast<float>(s.range_m);
-    if (!(range_m < look.range_m)) continue;
-    look.range_m = range_m;
-    look.footprint_m = static_cast<float>(s.range_m * view.pixel_size_at_1m());
-    look.colour = colour;
-  }
+  parallel_ranges(seen.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const SeenPoint& s = seen[i];
+      PointLook& look = looks[s.index];
+      if (nearest.hide(s.pixel, s.range_m)) continue;
+      const Eigen::Vector3f colour = sample_bilinear(image, s.pixel);
+      ++look.images;
+      look.colours.extend(colour);
+      const auto range_m = static_cast<float>(s.range_m);
+      if (!(range_m < look.range_m)) continue;
+      look.range_m = range_m;
+      look.footprint_m = static_cast<float>(s.range_m * view.pixel_size_at_1m());
+      look.colour = colour;
+    }
+  });
   return coverage;
 }
 
