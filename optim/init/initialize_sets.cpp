@@ -13,7 +13,8 @@ constexpr float kOpacityLogit = 0.0F;  // 0.5: the first steps can move it eithe
 /// Hit and drop logits of +-1.5: softmax says 0.95 hit, and the gradient is not yet flat.
 constexpr float kHitLogit = 1.5F;
 constexpr float kUntaughtOpacityLogit = 2.0F;  // 0.88: no distance ever pulls it up
-constexpr float kUnseenOpacityLogit = 2.0F;    // 0.88
+constexpr float kUnseenOpacityLogit = 2.0F;    // 0.88, of nothing else in a camera set
+constexpr float kFlat = 0.5F;                  // thickness over width, at most
 /// Standard deviation of a camera particle over the distance to its neighbours. Street: 0.4 32.70 dB, 0.5
 /// 32.70, 0.6 32.67; drive 0052: 0.35 26.16 dB, 0.5 26.17.
 constexpr double kCameraScale = 0.5;
@@ -123,6 +124,16 @@ GaussianSet unseen_set(const UnseenSurfaces& surfaces,
   }
   set.opacity_logit().setConstant(kUnseenOpacityLogit);
   return set;
+}
+
+std::vector<Eigen::Index> unseen_walls(const GaussianSet& start) {
+  std::vector<Eigen::Index> out;
+  for (Eigen::Index i = 0; i < start.size(); ++i) {
+    const auto sizes = start.log_scale().row(i);
+    const bool is_flat = sizes.minCoeff() - sizes.maxCoeff() <= std::log(kFlat);
+    if (is_flat && start.opacity_logit()(i) == kUnseenOpacityLogit) out.push_back(i);
+  }
+  return out;
 }
 
 GaussianSet shell_set(const FarShell& shell,

@@ -34,6 +34,9 @@ namespace simuli {
                                      const std::vector<std::uint32_t>& kept,
                                      const InitOptions& options);
 
+/// Of a camera set as it was started those of unseen_set() that are flat: no leaves, which show through one another.
+[[nodiscard]] std::vector<Eigen::Index> unseen_walls(const GaussianSet& start);
+
 /// The shell's `patches` at the indices `kept` as camera particles.
 [[nodiscard]] GaussianSet shell_set(const FarShell& shell,
                                     const std::vector<FarShell::Patch>& patches,

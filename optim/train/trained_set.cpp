@@ -64,6 +64,16 @@ std::vector<Eigen::Index> TrainedSet::put_in_order() {
   return order;
 }
 
+void TrainedSet::hold_colours(const std::vector<Eigen::Index>& of) {
+  constexpr float kHeld = 1e30F;  // a second moment beside which a gradient is nothing, for 60 000 steps
+  RealBuffer& moments = adam.second_moment();
+  std::vector<float> rows = moments.download_float();
+  for (std::size_t first = kShRow * particles.stride; first < rows.size(); first += particles.stride) {
+    for (const Eigen::Index i : of) rows[first + static_cast<std::size_t>(i)] = kHeld;
+  }
+  moments.assign(rows);
+}
+
 void TrainedSet::add_state(StateList& list, const std::string& name) {
   list.add(name + "/count", particles.count);
   list.add(name + "/stride", particles.stride);

@@ -21,6 +21,8 @@ struct TrainedSet {
   void keep(const std::vector<Eigen::Index>& kept);
   /// Puts them in coherent_order(), which it returns. Waits.
   std::vector<Eigen::Index> put_in_order();
+  /// Adam leaves the colours of these particles as they are from now on. Waits.
+  void hold_colours(const std::vector<Eigen::Index>& of);
   /// What a checkpoint holds of it, but for the actors' poses and shapes.
   void add_state(StateList& list, const std::string& name);
   ParticleBuffers particles;

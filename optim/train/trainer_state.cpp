@@ -13,6 +13,7 @@
 #include "host/core/scene/particle_order.hpp"
 #include "io/base/state_file.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/init/initialize_sets.hpp"
 #include "optim/state/packed.hpp"
 #include "optim/train/memory.hpp"
 
@@ -178,6 +179,9 @@ TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, con
     throw_input_error(of_log.folder.string(), "training frames", "0", "at least one image or sweep");
   }
   scene.camera_filter_px2 = renderer.options().camera_filter_px2;
+  // What no picture shows has the colour of what is alike nearby. Where it shows between the edges of what hides it
+  // pictures would teach it the colours of those, and of nothing else what it looks like from beside.
+  camera.hold_colours(unseen_walls(scene.camera));
   if (options.learn_shapes) prepare_shapes(scene.actors);
   if (options.length.automatic) options.iterations = length.first();
   status.planned = options.iterations;

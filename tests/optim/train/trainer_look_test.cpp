@@ -1,10 +1,14 @@
 // Environment, colour grids and the losses beside them, in training.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <map>
+#include <numeric>
 
 #include "io/picture/image.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/init/initialize_sets.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
 #include "tests/support/device.hpp"
@@ -64,6 +68,31 @@ TEST_F(TrainerLook, SameSeedGivesTheSameBits) {
   const auto& frames = a.color_grids.frames;
   ASSERT_EQ(frames.size(), 5U);  // one per training picture
   EXPECT_NE(a.color_grids.values, ColorGrids::identity(16, 16, 8, frames).values);
+}
+
+TEST_F(TrainerLook, WallsThatNoPictureShowsKeepTheirColours) {
+  const Scene start = scene_with_environment();
+  // By number of times: particles move, and so does their order.
+  const auto colours_of = [](const GaussianSet& set, const std::vector<Eigen::Index>& of) {
+    std::map<std::array<float, 3>, int> times;
+    for (const Eigen::Index i : of) ++times[{set.sh(0)(i, 0), set.sh(0)(i, 1), set.sh(0)(i, 2)}];
+    return times;
+  };
+  const std::vector<Eigen::Index> walls = unseen_walls(start.camera);
+  ASSERT_GT(walls.size(), 20U);
+  ASSERT_LT(walls.size(), static_cast<std::size_t>(start.camera.size()) / 2);
+  TrainingOptions o = options(20);
+  o.train.densify.every = 0;
+  Trainer trainer(test::device(), log_, start, o);
+  static_cast<void>(trainer.run());
+  const GaussianSet trained = trainer.scene().camera;
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(trained.size()));
+  std::iota(all.begin(), all.end(), 0);
+  const auto after = colours_of(trained, all);
+  for (const auto& [colour, times] : colours_of(start.camera, walls)) {
+    const auto found = after.find(colour);
+    EXPECT_GE(found == after.end() ? 0 : found->second, times);
+  }
 }
 
 TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
