@@ -20,7 +20,7 @@ struct Textbook {
   int steps = 0;
 
   void step(const std::vector<double>& gradients, const AdamRows& rows, std::size_t stride) {
-    constexpr double kBeta1 = 0.9, kBeta2 = 0.999;
+    constexpr double kBeta1 = 0.7, kBeta2 = 0.999;
     ++steps;
     first.resize(params.size(), 0.0);
     second.resize(params.size(), 0.0);
