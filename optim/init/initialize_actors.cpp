@@ -225,10 +225,8 @@ PointSet ActorPoints::placed(const PointSet& background, double time_s, const Im
   const auto hides = [](const Before& before, const Eigen::Vector3f& point) {
     if (!before.ball.may_hide(point)) return false;
     const Eigen::Vector3d way = before.actor_from_scene * point.cast<double>() - before.from;
-    const Eigen::Array3d a = (-before.half - before.from).array() / way.array(),
-                         b = (before.half - before.from).array() / way.array();
-    const double enter = a.min(b).maxCoeff(), leave = a.max(b).minCoeff();
-    return enter > 0.0 && enter < leave && leave < 1.0;
+    const BoxInterval in = inside_box(before.from, way, before.half);
+    return in.first > 0.0 && in.first < in.last && in.last < 1.0;
   };
   PointSet out = background;
   parallel_ranges(background.size(), [&](std::size_t begin, std::size_t end) {
