@@ -8,7 +8,6 @@
 #include "host/core/base/fields.hpp"
 #include "io/synth/street.hpp"
 #include "optim/init/initialize.hpp"
-#include "optim/train/trainer.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -29,12 +28,8 @@ class Table {
   }
 
   void add_unified(double distance_weight) {
-    if (start_.camera.size() == 0) {
-      Trainer trainer(
-          device_, log_, initialize_scene(log_, training_.frames, training_.init).scene, training_);
-      trainer.solve_first_colours();
-      start_ = trainer.scene();
-    }
+    if (start_.camera.size() == 0)
+      start_ = initialize_scene(log_, training_.frames, training_.init).scene;
     Scene scene = fit_unified(device_, log_, start_, training_, distance_weight);
     add(fmt::format("unified_{}", distance_weight),
         {std::move(scene), log_.cameras, log_.lidars, log_.world_from_rig});

@@ -93,9 +93,6 @@ CourseInOnePiece::CourseInOnePiece(TrainingDrive& drive,
 
 void CourseInOnePiece::start(const Training::Progress& progress) {
   place_particles(progress);
-  trainer_->solve_first_colours([&progress](std::size_t done, std::size_t total) {
-    if (progress) progress("first colours", done, total);
-  });
   trainer_->need_one_state(identity_);
 }
 

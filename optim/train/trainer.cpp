@@ -7,7 +7,6 @@
 
 #include "host/core/base/stopwatch.hpp"
 #include "host/core/scene/particle_order.hpp"
-#include "optim/train/first_colours.hpp"
 #include "optim/train/pruning.hpp"
 
 namespace simuli {
@@ -47,10 +46,6 @@ Trainer::Trainer(
   for (const auto make : {picture_lesson, mended_lesson, beside_lesson, depth_lesson, sweep_lesson}) {
     lessons_.push_back(make(state_));
   }
-}
-
-void Trainer::solve_first_colours(const std::function<void(std::size_t, std::size_t)>& progress) {
-  simuli::solve_first_colours(state_, progress);
 }
 
 void Trainer::step() {

@@ -32,8 +32,6 @@ class Trainer {
           const TrainingOptions& options,
           Ranks& ranks = one_rank());
 
-  /// Before the first iteration: the function of this name (first_colours.hpp).
-  void solve_first_colours(const std::function<void(std::size_t, std::size_t)>& progress = {});
   /// One iteration: a step of each lesson whose turn it is (lesson/lesson.hpp). Error{kInput} when a frame
   /// can't be read. What is not a finite number moves nothing and is counted (TrainReport): training goes on.
   void step();

@@ -190,14 +190,6 @@ TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, con
   status.psnr_db = status.distance_m = status.drop_accuracy = std::numeric_limits<double>::quiet_NaN();
 }
 
-Pass TrainerState::show_picture(std::size_t image) {
-  const ImageFrame& frame = log.images[image];
-  Pass pass = renderer.render(
-      camera.particles, truth.camera_rays(frame.camera), view_of(log, scene, frame), look.environment());
-  look.grade(pass, image);
-  return pass;
-}
-
 LearningRates TrainerState::rates(SetNumber number) const {
   return paced(number == kCameraSet ? options.camera : options.lidar, options.iterations);
 }

@@ -45,9 +45,6 @@ struct TrainerState {
   /// Of a set in the stage of training that is on.
   [[nodiscard]] LearningRates rates(SetNumber number) const;
 
-  /// The camera set as picture `image` (an index into log.images) was taken, graded.
-  [[nodiscard]] Pass show_picture(std::size_t image);
-
   const Log& log;
   Scene scene;
   double actor_margin_m = 0.0;

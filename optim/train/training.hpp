@@ -59,8 +59,8 @@ class Training {
   Training& operator=(const Training&) = delete;
 
   /// Mends labels (mended_labels.hpp), refines the path (refined_path.hpp), learns what sweeps say of their
-  /// LiDARs, finds what moves and has no label (find_actors.hpp, complete_actors.hpp), places the first
-  /// particles and solves their colours (first_colours.hpp), unless that is done.
+  /// LiDARs, finds what moves and has no label (find_actors.hpp, complete_actors.hpp), and places the first
+  /// particles, unless that is done.
   /// Error{kInput} when no frame is left to train on or a file can't be read, Error{kDevice} when the device
   /// has no room for the training, RanksDiffer when a rank has another device, other settings or another log.
   void prepare(const Progress& progress = {});

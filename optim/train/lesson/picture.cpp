@@ -29,7 +29,12 @@ class PictureLesson final : public Lesson {
 ShownShard PictureLesson::show(std::size_t shard, RealBuffer& error) {
   const std::size_t index = picture(shard);
   const auto truth = state_.truth.image(index);
-  Pass pass = state_.show_picture(index);
+  const ImageFrame& frame = state_.log.images[index];
+  Pass pass = state_.renderer.render(state_.camera.particles,
+                                     state_.truth.camera_rays(frame.camera),
+                                     view_of(state_.log, state_.scene, frame),
+                                     state_.look.environment());
+  state_.look.grade(pass, index);
   const double values = 3.0 * std::max(1.0, static_cast<double>(truth->known));
   const ImageWeights& w = state_.options.image;
   const double sky = truth->truth.channels() == 4 ? 3.0 * w.sky / values : 0.0;

@@ -40,7 +40,6 @@ TEST_F(TrainingTest, IsTheRecipeStepByStep) {
   const Log log = with_learned_sensors(log_, o.frames);
   SceneInit start = initialize_scene(log, o.frames, o.init);
   Trainer trainer(test::device(), log, std::move(start.scene), o);
-  trainer.solve_first_colours();
   (void)trainer.run();
   expect_same(training.scene(), trainer.scene());
   EXPECT_EQ(training.report().init.voxels, start.report.voxels);
