@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -18,10 +17,10 @@
 namespace simuli {
 namespace {
 
-constexpr float kHidden = 3.0F;          // times as often as seen: its looks are mostly ones nobody saw
-constexpr float kLeastSeen = 0.5F;       // rays: what shows in fewer of those without actors was not seen
-constexpr std::size_t kMostFilled = 12;  // views of a sensor whose gaps are filled, those with the largest
-constexpr double kReach_m = 0.3;         // beyond an actor's box that still hides with it
+constexpr float kHidden = 3.0F;         // times as often as seen: its looks are mostly ones nobody saw
+constexpr float kLeastSeen = 0.5F;      // rays: what shows in fewer of those without actors was not seen
+constexpr std::size_t kMostViews = 12;  // of a sensor, evenly spread over those that it was trained on
+constexpr double kReach_m = 0.3;        // beyond an actor's box that still hides with it
 constexpr int kCell_px = 2;
 constexpr double kCoarse = 2.0;        // side of voxels over those of what is seen: nothing fine is known
 constexpr double kLargest = 4.0;       // over what pictures teach: no gap far away is ever mended
@@ -51,7 +50,7 @@ class SetFiller {
         recipe_(recipe),
         scene_(scene),
         kind_(kind),
-        views_(fill_views(log, recipe.frames, kind, kMostFillViews)) {
+        views_(fill_views(log, recipe.frames, kind, kMostViews)) {
     for (const FillView& view : views_) {
       if (!view.sensor().is_camera()) continue;
       const Shot shot = view.shot.relative_to(scene_.origin);
@@ -131,7 +130,7 @@ class SetFiller {
     return *most > 0 ? static_cast<std::uint32_t>(most - votes.begin()) : 0;
   }
 
-  /// What the views see without actors and what they hide: of each sensor those with the largest gaps.
+  /// What the views see without actors and what they hide.
   void look_behind(const Behind& behind) {
     Scene seen;
     GaussianSet& set = is_camera() ? seen.camera : seen.lidar;
@@ -141,22 +140,15 @@ class SetFiller {
     seen.camera_background = scene_.camera_background;
     seen.lidar_background = scene_.lidar_background;
     SceneOnDevice on_device(device_, std::move(seen), recipe_.render);
-    std::map<std::string, std::vector<Gap>> of_sensor;
     for (std::size_t v = 0; v < views_.size(); ++v) {
       if (!before_[v].any()) continue;
       RayRows rows = rows_of(on_device, views_[v], before_[v]);
       Gap gap{0, v};
       for (std::size_t ray = 0; ray < rows.rays(); ++ray) gap.rays += rows.is_hole(ray) ? 1 : 0;
       if (gap.rays == 0) continue;
-      std::vector<Gap>& gaps = of_sensor[views_[v].sensor().name()];
-      gaps.push_back(gap);
+      gaps_.push_back(gap);
       rows_.emplace(v, std::move(rows));
-      if (gaps.size() <= kMostFilled) continue;
-      const auto least = std::min_element(gaps.begin(), gaps.end());
-      rows_.erase(least->view);
-      gaps.erase(least);
     }
-    for (const auto& [name, gaps] : of_sensor) gaps_.insert(gaps_.end(), gaps.begin(), gaps.end());
     std::sort(gaps_.rbegin(), gaps_.rend());
   }
 

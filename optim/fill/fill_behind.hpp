@@ -9,9 +9,6 @@
 
 namespace simuli {
 
-/// Frames of a sensor that are looked at, at most: evenly spread over those that it was trained on.
-inline constexpr std::size_t kMostFillViews = 24;
-
 /// How the scene was trained.
 struct FillRecipe {
   FrameSelection frames;  // from which it has learned
