@@ -155,7 +155,7 @@ def describe_sensors(run):
 
 SHUTTERS = ("top_to_bottom", "bottom_to_top", "left_to_right", "right_to_left")
 SMALL = "--frames 10 --image-width 160 --image-height 90 --lidar-columns 400"
-CHECKPOINTS = "--iterations 45 --checkpoint-every 5 --set densify.every=10 anchor.weight=0.01"
+CHECKPOINTS = "--iterations 45 --checkpoint-every 5 --set densify.epochs=1.25 anchor.weight=0.01"
 TIMES = "--times 0.3:0.4:0.1"
 TRAININGS = {
     "half_size": "--scale 0.5 --held-out 3 --seed 7",
@@ -164,8 +164,8 @@ TRAININGS = {
     "exact": "--quality exact",
     "color_grids": "--set color_grids=pictures",
     "environment": "--set init.environment_width=64",
-    "densify": "--set densify.every=6",
-    "densify_full": "--set densify.every=6 densify.cap=68000",
+    "densify": "--set densify.epochs=0.75",
+    "densify_full": "--set densify.epochs=0.75 densify.cap=68000",
     "anchors": "--set anchor.weight=0.01",
     "actor_rates": "--set actors.track.learn=true",
     "no_actors": "--set init.actors=false",
@@ -183,7 +183,7 @@ TRAININGS = {
     "unscented_extent": "--set render.extent=unscented render.shutter_iterations=3",
     "compensation": "--set render.camera_compensation=true render.lidar_compensation=true",
     "cuts": "--set render.alpha_cut=0.01 render.transmittance_cut=0.01 render.camera_filter_px2=0.1",
-    "everything": "--set color_grids=pictures init.environment_width=64 densify.every=6 anchor.weight=0.01 "
+    "everything": "--set color_grids=pictures init.environment_width=64 densify.epochs=0.75 anchor.weight=0.01 "
                   "lidar_every=1 actors.track.learn=true",
 }
 OPTIONS = {

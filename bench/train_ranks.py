@@ -74,7 +74,7 @@ def train(args, ranks, name, *options, **environment):
 
 
 def hashes(args):
-    options = ["--iterations", "60", "--set", "shards=4", "--set", "densify.every=10",
+    options = ["--iterations", "60", "--set", "shards=4", "--set", "densify.epochs=1.5",
                "--set", "color_grids=pictures", "--set", "actors.track.learn=true"]
     found = {}
     for ranks in (1, 2, 4):
@@ -110,7 +110,7 @@ def speed(args):
 
 def kills(args):
     options = ["--iterations", "60", "--set", "shards=4", "--checkpoint-every", "5",
-               "--set", "densify.every=10"]
+               "--set", "densify.epochs=1.5"]
     start = time.monotonic()
     _, wanted = train(args, 1, "whole.scene", *options)
     duration = time.monotonic() - start
@@ -152,7 +152,7 @@ def rates(args):
         scores = []
         for seed in (1, 2):
             train(args, 1, "r.scene", "--iterations", str(frames // shards), "--seed", str(seed), "--set",
-                  f"shards={shards}", "--set", f"densify.every={max(1, 50 // shards)}", POCL_MAX_PTHREAD_COUNT="2")
+                  f"shards={shards}", POCL_MAX_PTHREAD_COUNT="2")
             told = json.loads(run([args.program, "--json", "eval", "r.scene", "s.log"], args.work,
                                   POCL_MAX_PTHREAD_COUNT="2"))
             scores.append((told["psnr_db"], told["ssim"], 100 * told["distance_median_m"], told["raydrop_accuracy"]))

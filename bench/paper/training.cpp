@@ -70,7 +70,7 @@ class Case {
     options.iterations = 1000;
     options.lidar_every = 1;
     options.anchor = kPaperAnchors;
-    options.densify.every = iterations + kWarmUp;
+    options.densify.epochs = iterations + kWarmUp;  // none
     const Scene scene = bench_scene(particles);
     const double search_ms = anchor_search_ms(device, scene);
     device.reset_memory_peak();

@@ -86,16 +86,18 @@ Rays sweep_rays(const Log& log, const FrameSelection& frames) {
   return rays;
 }
 
-/// The particles that a set may come to have.
+/// The particles that a set may come to have; `epoch` as of epoch_of().
 std::uint64_t grown(SetNumber number,
                     Eigen::Index particles,
                     Eigen::Index other,
+                    std::size_t epoch,
                     const TrainOptions& options) {
   const DensifyOptions& d = options.densify;
   const auto count = static_cast<double>(particles);
-  if (d.every == 0 || (number == kLidarSet && !d.lidar)) return static_cast<std::uint64_t>(particles);
+  if (!(d.epochs > 0.0) || (number == kLidarSet && !d.lidar)) return static_cast<std::uint64_t>(particles);
   const int iterations = options.length.automatic ? options.length.most : options.iterations;
-  const double times = std::floor(DensifyOptions::kLastShare * iterations / d.every);
+  const double times =
+      std::floor(DensifyOptions::kLastShare * iterations / Structure::densify_every(d, epoch));
   const double by_growth = count * std::pow(1.0 + d.growth, times);
   const double by_cap =
       std::max(1.0, static_cast<double>(d.cap) / std::max(count + static_cast<double>(other), 1.0)) * count;
@@ -139,7 +141,7 @@ void add_set(const Device& device,
     tally.add(item, {"largest weights", particles * sizeof(std::uint32_t)});
   }
   // While one of the matrices grows it is there twice.
-  if (options.densify.every > 0) tally.add(item, {"params", matrix * sizeof(float)});
+  if (options.densify.epochs > 0.0) tally.add(item, {"params", matrix * sizeof(float)});
 }
 
 void add_frame(
@@ -167,7 +169,7 @@ void add_frame(
   tally.add("rays", WorldRays(device), sizes);
   tally.add("rays", Blended(device), sizes);
   tally.add("rays", PictureBuffers(device), has_grids ? sizes : FrameSizes{});
-  tally.add("frame", GradientBuffers(device), {.frame = sizes, .errors = options.densify.every > 0});
+  tally.add("frame", GradientBuffers(device), {.frame = sizes, .errors = options.densify.epochs > 0.0});
   tally.add("frame", ActorBuffers(device), {counts.actors});
   tally.add("rays", ImageLossBuffers(device), {sizes.tiles});
   tally.add("rays", LidarLossBuffers(device), {sizes.tiles});
@@ -258,7 +260,7 @@ void add_structure(const Device& device, Tally& tally, const Counts& counts, con
                chunks_of(device, counts.lidar).work_items,
                chunks_of(device, counts.camera).work_items});
   }
-  if (options.densify.every > 0) {
+  if (options.densify.epochs > 0.0) {
     const std::uint64_t most = counts.most();
     tally.add("relocation", DensifyBuffers(device), {most, most, chunks_of(device, most).work_items});
   }
@@ -285,11 +287,13 @@ MemoryNeed training_memory(const Device& device,
   const TrainOptions& options = training.train;
   MemoryNeed need;
   Tally tally(need);
-  const Counts counts{grown(kCameraSet, scene.camera.size(), scene.lidar.size(), options),
-                      grown(kLidarSet, scene.lidar.size(), scene.camera.size(), options),
+  const Rays images = image_rays(log, training.frames), sweeps = sweep_rays(log, training.frames);
+  const std::size_t epoch = epoch_of(options, images.frames, sweeps.frames);
+  const Counts counts{grown(kCameraSet, scene.camera.size(), scene.lidar.size(), epoch, options),
+                      grown(kLidarSet, scene.lidar.size(), scene.camera.size(), epoch, options),
                       scene.actors.size(),
-                      image_rays(log, training.frames),
-                      sweep_rays(log, training.frames)};
+                      images,
+                      sweeps};
   add_set(device, tally, "camera set", scene.camera, counts.camera, counts, options);
   add_set(device, tally, "LiDAR set", scene.lidar, counts.lidar, counts, options);
   const GridPlan grids =

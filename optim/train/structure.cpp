@@ -1,22 +1,37 @@
 #include "optim/train/structure.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace simuli {
 namespace {
 
 // Iterations from one search for candidates, and from one choice of the nearest of them, to the next.
 constexpr int kSearchEvery = 1000, kChooseEvery = 10;
-constexpr int kFirstDensified = 2;  // time of densify.every that is the first: starts settle before
+constexpr int kFirstDensified = 2;  // time of densify.epochs that is the first: starts settle before
 
 }  // namespace
 
+std::size_t epoch_of(const TrainOptions& options, std::size_t images, std::size_t sweeps) {
+  const std::size_t frames = images > 0 ? images : sweeps * static_cast<std::size_t>(options.lidar_every);
+  const auto shards = static_cast<std::size_t>(options.shards.count);
+  return (frames + shards - 1) / shards;
+}
+
+int Structure::densify_every(const DensifyOptions& options, std::size_t epoch) {
+  constexpr double kMost = 1e9;  // more than any training's
+  const double iterations = std::round(options.epochs * static_cast<double>(epoch));
+  return static_cast<int>(std::clamp(iterations, 1.0, kMost));
+}
+
 Structure::Structure(const Device& device,
                      const TrainOptions& options,
+                     std::size_t epoch,
                      std::uint64_t seed,
                      TrainedSet& camera,
                      TrainedSet& lidar)
     : options_(options),
+      densify_every_(densify_every(options.densify, epoch)),
       seed_(seed),
       camera_(camera),
       lidar_(lidar),
@@ -25,7 +40,7 @@ Structure::Structure(const Device& device,
   if (options.anchor.weight > 0.0 && camera.particles.count > 0 && lidar.particles.count > 0) {
     anchor_.emplace(device, Precision::kFloat, kAnchorNeighbours);
   }
-  if (options.densify.every > 0) densify_.emplace(device, Precision::kFloat);
+  if (options.densify.epochs > 0.0) densify_.emplace(device, Precision::kFloat);
 }
 
 bool Structure::collects_errors(SetNumber number, int iteration) const {
@@ -80,8 +95,7 @@ std::uint32_t Structure::growth(SetNumber number) const {
 }
 
 void Structure::densify(int iteration) {
-  const DensifyOptions& o = options_.densify;
-  if (o.every <= 0 || iteration < kFirstDensified * o.every || iteration % o.every != 0) return;
+  if (!densify_ || iteration / densify_every_ < kFirstDensified || iteration % densify_every_ != 0) return;
   const std::uint32_t added[] = {growth(kCameraSet), growth(kLidarSet)};
   for (const SetNumber number : {kCameraSet, kLidarSet}) {
     if (!collects_errors(number, iteration)) continue;

@@ -1,5 +1,6 @@
 #pragma once
 // What holds particles in place and what changes their number: anchors, relocation, growth, noise.
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -13,15 +14,22 @@
 
 namespace simuli {
 
+/// Iterations in which each picture is looked at once; where there is none, each sweep.
+[[nodiscard]] std::size_t epoch_of(const TrainOptions& options, std::size_t images, std::size_t sweeps);
+
 class Structure {
  public:
   // Of anchors, after the paper.
   static constexpr std::uint32_t kAnchorNeighbours = 50;  // candidates of each particle
   static constexpr double kAnchorReach_m = 2.0;           // farther from any LiDAR particle (sky): free
 
+  /// Iterations from one time that particles are added to the next; `epoch` as of epoch_of().
+  [[nodiscard]] static int densify_every(const DensifyOptions& options, std::size_t epoch);
+
   /// All of them must outlive it; `seed` of what is drawn.
   Structure(const Device& device,
             const TrainOptions& options,
+            std::size_t epoch,
             std::uint64_t seed,
             TrainedSet& camera,
             TrainedSet& lidar);
@@ -56,6 +64,7 @@ class Structure {
   [[nodiscard]] std::uint32_t growth(SetNumber number) const;
 
   const TrainOptions& options_;
+  int densify_every_;  // iterations
   std::uint64_t seed_;
   TrainedSet &camera_, &lidar_;
   double camera_start_, lidar_start_;    // particles

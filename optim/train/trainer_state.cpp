@@ -66,13 +66,6 @@ TrainOptions fitting(const Device& device,
   return fitted;
 }
 
-/// Iterations in which each training frame is looked at once.
-std::size_t epoch_of(const TrainOptions& o, std::size_t images, std::size_t sweeps) {
-  const std::size_t frames = images > 0 ? images : sweeps * static_cast<std::size_t>(o.lidar_every);
-  const auto shards = static_cast<std::size_t>(o.shards.count);
-  return (frames + shards - 1) / shards;
-}
-
 int planned_in(std::span<const std::byte> saved) {
   int planned = std::numeric_limits<int>::max();
   if (saved.size() == sizeof planned) std::memcpy(&planned, saved.data(), sizeof planned);
@@ -167,10 +160,10 @@ TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, con
       lidar(on, scene.lidar, options.actor_poses, options.learn_shapes),
       look(on, of_log, scene, training),
       drop(of_log, scene, training),
-      structure(on, options, seed, camera, lidar),
-      mended(on, of_log, training.frames, training.fixer, training.fixer_command, options.render),
       images(HeldOutRule(of_log, training.frames).training(of_log.images), seed, kImageStream),
       sweeps(HeldOutRule(of_log, training.frames).training(of_log.sweeps), seed, kSweepStream),
+      structure(on, options, epoch_of(options, images.size(), sweeps.size()), seed, camera, lidar),
+      mended(on, of_log, training.frames, training.fixer, training.fixer_command, options.render),
       length(options.length,
              epoch_of(options, images.size(), sweeps.size()),
              of_log.images.size(),

@@ -58,9 +58,9 @@ struct TrainerState {
   TrainedSet camera, lidar;
   TrainedLook look;
   TrainedDrop drop;
+  FrameOrder images, sweeps;
   Structure structure;
   FixedViews mended;
-  FrameOrder images, sweeps;
   TrainLength length;
   RunningMean square, distance, right;
   TrainStatus status;

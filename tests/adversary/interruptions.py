@@ -13,7 +13,7 @@ from harness import INPUT, INTERRUPTED, SMALL, STREET, Trial, case, content_of, 
 # Densification, an actor, an environment map and colour grids: all that a state holds.
 TRAINING = [
     "--iterations", "60", "--checkpoint-every", "3", *SMALL,
-    "lidar_every=2", "densify.every=10", "anchor.weight=0.01", "actors.track.learn=true", "color_grids=pictures",
+    "lidar_every=2", "densify.epochs=1.5", "anchor.weight=0.01", "actors.track.learn=true", "color_grids=pictures",
     "init.environment_width=16",
 ]  # fmt: skip
 KILLS = 4

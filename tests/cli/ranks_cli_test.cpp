@@ -42,7 +42,7 @@ class MpiCli : public RanksCli {
 const std::string kMpi = "mpirun --oversubscribe ";
 const std::string kTraining =
     " train s.log --iterations 6 --checkpoint-every 2 --set shards=4 --set init.voxel_m=0.4 --set "
-    "densify.every=2 -o ";
+    "densify.epochs=0.3 -o ";
 
 TEST_F(MpiCli, RanksGiveTheBitsOfOneAndGoOnFromEachOther) {
   const Outcome one = shell("'{}'" + kTraining + "one.scene");

@@ -49,7 +49,7 @@ class ResumeCli : public Cli {
 };
 
 const std::string kTraining =
-    "--iterations 60 --checkpoint-every 3 --set init.voxel_m=0.3 --set lidar_every=2 --set densify.every=10 "
+    "--iterations 60 --checkpoint-every 3 --set init.voxel_m=0.3 --set lidar_every=2 --set densify.epochs=1.5 "
     "--set anchor.weight=0.01";
 
 TEST_F(ResumeCli, KilledTrainingsGiveTheSameScene) {

@@ -198,7 +198,7 @@ TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
   options.train.iterations = 24;
   options.frames.image_scale = 1.0;
   options.train.lidar_every = 2;
-  options.train.densify.every = 5;
+  options.train.densify.epochs = 0.6;
   options.train.anchor.weight = 0.01;
   options.train.actor_poses = {.learn = true, .shift_m = 0.01};
   Scene start = initialize_scene(log_, kFullSize, small(true)).scene;

@@ -53,7 +53,7 @@ class StretchesTest : public testing::Test {
     o.init.sweep_depth = false;
     o.refine_path = false;
     o.train.iterations = iterations;
-    o.train.densify.every = 5;
+    o.train.densify.epochs = 0.5;
     o.train.prune.first = 0;
     o.stretches = {.length_m = stretch_m, .overlap_m = 40.0};
     return o;

@@ -41,7 +41,7 @@ class MaskedTest : public test::SmallStreet {
     o.init.voxel_m = 0.3;
     o.train.iterations = 30;
     o.train.lidar_every = 4;
-    o.train.densify.every = 10;
+    o.train.densify.epochs = 2.0;
     o.train.look.color_grids = ColorGridsOf::kPictures;
     return o;
   }

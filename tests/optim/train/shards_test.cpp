@@ -26,7 +26,7 @@ class ShardsTest : public test::SmallStreet {
     o.train.shards.count = shards;
     o.frames.image_scale = 1.0;
     o.train.lidar_every = 2;
-    o.train.densify.every = 4;
+    o.train.densify.epochs = 0.8;
     o.train.densify.lidar = true;
     o.train.densify.noise = 1e4;
     o.train.anchor.weight = 0.01;
@@ -105,7 +105,7 @@ TEST_F(ShardsTest, AStepTakesTheMeanOfItsFrames) {
   o.train.iterations = 3;
   o.train.lidar.log_scale /= 3.0;  // as slow as in a long training: thirds round by a step
   o.train.shards.rate_power = 0.0;
-  o.train.densify.every = 0;
+  o.train.densify.epochs = 0.0;
   o.train.ray_drop.rate = 0.0;                     // several steps of the function a sweep
   o.train.look.color_grids = ColorGridsOf::kNone;  // each picture's moves once for each shard
   o.train.beside.weight = 0.0;                     // each shard's from a place of its own

@@ -82,7 +82,7 @@ TEST_F(TrainerLook, WallsThatNoPictureShowsKeepTheirColours) {
   ASSERT_GT(walls.size(), 20U);
   ASSERT_LT(walls.size(), static_cast<std::size_t>(start.camera.size()) / 2);
   TrainingOptions o = options(20);
-  o.train.densify.every = 0;
+  o.train.densify.epochs = 0.0;
   Trainer trainer(test::device(), log_, start, o);
   static_cast<void>(trainer.run());
   const GaussianSet trained = trainer.scene().camera;

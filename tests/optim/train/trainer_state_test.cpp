@@ -19,7 +19,7 @@ class TrainerStateTest : public test::SmallStreet {
     o.train.iterations = iterations;
     o.frames.image_scale = 1.0;
     o.train.lidar_every = 2;
-    o.train.densify.every = 7;
+    o.train.densify.epochs = 1.4;
     o.train.densify.lidar = true;
     o.train.densify.noise = 1e4;
     o.train.anchor.weight = 0.01;

@@ -183,13 +183,28 @@ TEST_F(TrainerTest, ASecondLidarTakesNoTurnsFromTheFirst) {
 
 TEST_F(TrainerTest, ByDefaultTheCameraSetAloneGrowsAndNotForEver) {
   TrainingOptions o = options(60);
-  o.train.densify.every = 5;
   o.train.densify.growth = 0.5;
   const Scene start = initial_scene();
   Trainer trainer(test::device(), log_, start, o);
   trainer.run();
   EXPECT_EQ(trainer.scene().lidar.size(), start.lidar.size());
   EXPECT_EQ(trainer.scene().camera.size(), 2 * start.camera.size());  // densify.most
+}
+
+/// Five pictures are trained on.
+TEST_F(TrainerTest, ASetGrowsOnceEachPictureHasBeenSeenTwice) {
+  for (const auto& [epochs, shards, first] :
+       {std::tuple{1.0, 1, 10}, {2.0, 1, 20}, {1.0, 2, 6}, {0.2, 5, 2}}) {
+    TrainingOptions o = options(60);
+    o.train.densify.epochs = epochs;
+    o.train.shards.count = shards;
+    const Scene start = initial_scene();
+    Trainer trainer(test::device(), log_, start, o);
+    for (int i = 1; i < first; ++i) trainer.step();
+    EXPECT_EQ(trainer.scene().camera.size(), start.camera.size()) << epochs << " " << shards;
+    trainer.step();
+    EXPECT_GT(trainer.scene().camera.size(), start.camera.size()) << epochs << " " << shards;
+  }
 }
 
 TEST_F(TrainerTest, PruningTakesOutWhatNoSweepSeesAndNothingElse) {
@@ -241,7 +256,7 @@ TEST_F(TrainerTest, PruningTakesOutWhatNoSweepSeesAndNothingElse) {
 
 TEST_F(TrainerTest, DensificationGrowsToItsCapAndIsReproducible) {
   TrainingOptions o = options(60);
-  o.train.densify.every = 10;
+  o.train.densify.epochs = 2.0;
   o.train.densify.lidar = true;
   o.train.densify.growth = 0.05;
   Scene start = initial_scene();
@@ -311,7 +326,7 @@ TEST_F(TrainerTest, WhatIsNotANumberDoesNoHarmAndIsCounted) {
   for (Eigen::Index i = 2; i < scene.lidar.size(); i += 50) scene.lidar.opacity_logit()(i) = kNotANumber;
   for (const bool relocate : {false, true}) {
     TrainingOptions o = options(30);
-    o.train.densify.every = relocate ? 10 : 0;
+    o.train.densify.epochs = relocate ? 2.0 : 0.0;
     o.train.densify.lidar = true;
     o.train.densify.growth = 0.0;
     Trainer trainer(test::device(), log_, scene, o);
@@ -365,7 +380,7 @@ TEST_F(TrainerTest, OptionsOutsideTheirRangeAreUsageErrors) {
   expect_refused([&](TrainingOptions& o) { o.train.camera.sh = kNotANumber; });
   expect_refused([](TrainingOptions& o) { o.train.weights.drop = -1.0; });
   expect_refused([&](TrainingOptions& o) { o.train.anchor.weight = kNotANumber; });
-  expect_refused([](TrainingOptions& o) { o.train.densify.every = -1; });
+  expect_refused([](TrainingOptions& o) { o.train.densify.epochs = -1.0; });
   expect_refused([](TrainingOptions& o) { o.train.densify.most = 0.5; });
 }
 
