@@ -305,6 +305,7 @@ TEST_F(TrainerTest, SweepsHoldTheCameraSetWhereTheirReturnsAre) {
   const auto error_m = [&](double weight) {
     TrainingOptions o = options(100);
     o.train.depth = {.weight = weight, .every = 1};
+    o.train.densify.epochs = 0.0;  // particles that are new stand where pictures err, wherever returns are
     Scene scene = train(o);
     GaussianSet as_lidar(SetKind::kLidar, scene.camera.sh_degree, scene.camera.size());
     as_lidar.params.leftCols(kShRow) = scene.camera.params.leftCols(kShRow);
