@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -34,12 +33,11 @@ struct Behind {
   std::vector<GaussianSet> instead;              // [actors]
 };
 
-/// How many rays of a view are open; the earlier of two alike counts for more.
+/// What a view sees without actors.
 struct Gap {
-  std::size_t rays = 0, view = 0;
-  [[nodiscard]] bool operator<(const Gap& other) const {
-    return rays != other.rays ? rays < other.rays : view > other.view;
-  }
+  std::size_t view = 0;
+  std::size_t open = 0;  // rays
+  RayRows rows;
 };
 
 /// One set of the scene and the views of its sensors.
@@ -142,14 +140,11 @@ class SetFiller {
     SceneOnDevice on_device(device_, std::move(seen), recipe_.render);
     for (std::size_t v = 0; v < views_.size(); ++v) {
       if (!before_[v].any()) continue;
-      RayRows rows = rows_of(on_device, views_[v], before_[v]);
-      Gap gap{0, v};
-      for (std::size_t ray = 0; ray < rows.rays(); ++ray) gap.rays += rows.is_hole(ray) ? 1 : 0;
-      if (gap.rays == 0) continue;
-      gaps_.push_back(gap);
-      rows_.emplace(v, std::move(rows));
+      Gap gap{v, 0, rows_of(on_device, views_[v], before_[v])};
+      for (std::size_t ray = 0; ray < gap.rows.rays(); ++ray) gap.open += gap.rows.is_hole(ray) ? 1 : 0;
+      if (gap.open > 0) gaps_.push_back(std::move(gap));
     }
-    std::sort(gaps_.rbegin(), gaps_.rend());
+    std::stable_sort(gaps_.begin(), gaps_.end(), [](const Gap& a, const Gap& b) { return a.open > b.open; });
   }
 
   [[nodiscard]] GaussianSet shown_without(const Behind& behind) const {
@@ -198,8 +193,7 @@ class SetFiller {
 
   void fill(Behind& out) const {
     std::vector<Points> of_actor(scene_.actors.size());
-    for (const auto& [holes, v] : gaps_) {
-      const RayRows& rows = rows_.at(v);
+    for (const auto& [v, open, rows] : gaps_) {
       const Coverage filled_before = covered(v, of_actor);
       const double ray_rad = is_camera() ? 1.0 / views_[v].sensor().camera().focal_px() : 0.0;
       for (const FilledRay& filled : fill_rows(rows)) {
@@ -222,7 +216,7 @@ class SetFiller {
   /// Whether more of the pictures that could show a point see past it than do not.
   [[nodiscard]] bool is_seen_through(const Eigen::Vector3d& p_scene) const {
     int past = 0, not_past = 0;
-    for (const auto& [v, rows] : rows_) {
+    for (const auto& [v, holes, rows] : gaps_) {
       Eigen::Vector2d pixel;
       double range_m = 0.0;
       if (!pictures_[v].project(p_scene, pixel, range_m)) continue;
@@ -287,8 +281,7 @@ class SetFiller {
   std::vector<ImageView> pictures_;           // [views] of cameras
   std::vector<ActorsBefore> before_;          // [views]; none at all: no actor anywhere
   std::vector<std::vector<ActorBox>> boxes_;  // [views]
-  std::map<std::size_t, RayRows> rows_;       // of some views
-  std::vector<Gap> gaps_;                     // of these, the largest first
+  std::vector<Gap> gaps_;                     // of the views that have some, the largest first
 };
 
 /// Gives the occluders' particles their numbers and puts those that fill behind the set.
