@@ -191,8 +191,8 @@ TEST_F(TrainerTest, ByDefaultTheCameraSetAloneGrowsAndNotForEver) {
   EXPECT_EQ(trainer.scene().camera.size(), 2 * start.camera.size());  // densify.most
 }
 
-/// Five pictures are trained on.
-TEST_F(TrainerTest, ASetGrowsOnceEachPictureHasBeenSeenTwice) {
+/// Of which there are five.
+TEST_F(TrainerTest, GrowthCountsLooksAtPicturesWhateverTheShards) {
   for (const auto& [epochs, shards, first] :
        {std::tuple{1.0, 1, 10}, {2.0, 1, 20}, {1.0, 2, 6}, {0.2, 5, 2}}) {
     TrainingOptions o = options(60);
