@@ -200,6 +200,7 @@ TEST_F(ViewCli, RefusesPicturesOfAnySize) {
   make_street_scene(3);
   json scene = json::parse(std::ifstream(folder_ / "s.scene" / "scene.json"));
   scene["cameras"][0]["height_px"] = 60'000;
+  scene["cameras"][0]["fy_px"] = 60.0;  // the least for that height
   std::ofstream(folder_ / "s.scene" / "scene.json") << scene.dump();
   start();
   json view = view_of("front");

@@ -26,9 +26,9 @@ class ViewCli : public Cli {
     arguments.insert(arguments.end(), more.begin(), more.end());
     viewer_ = std::make_unique<BackgroundProgram>(arguments, folder_ / "view.txt");
     port_ = viewer_->number_behind("http://127.0.0.1:");
-    ASSERT_GT(port_, 0) << viewer_->output();
-    client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);
+    client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);  // finds nobody if it has not started
     client_->set_read_timeout(60);
+    ASSERT_GT(port_, 0) << viewer_->output();
   }
   static json view_of(const std::string& sensor) {
     return {{"sensor", sensor},
