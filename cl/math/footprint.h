@@ -30,8 +30,8 @@ FN uint tile_columns(__global const SensorConstants* sensor,
                      real mean,
                      real half_width) {
 #if SENSOR == SENSOR_CAMERA
-  const real low = max(ceil(mean - half_width - R(0.5)), R(0.0));
-  const real high = min(floor(mean + half_width - R(0.5)), sensor->model.picture_width - R(1.0));
+  const real low = max(ceil(mean - half_width - R(0.5)), sensor->model.first_column);
+  const real high = min(floor(mean + half_width - R(0.5)), sensor->model.last_column);
   if (!(low <= high)) return 0;
   const uint first = (uint)low / SIM_SLOT_ROW;
   return first | ((uint)high / SIM_SLOT_ROW - first + 1) << 16;
@@ -100,8 +100,8 @@ FN Footprint footprint_of(const FrameParams* frame,
   Footprint f = {0, 0, 0, 0};
 #if SENSOR == SENSOR_CAMERA
   // Pixel rows whose centres lie in the box; comparing before converting keeps huge values defined.
-  const real row0 = max(ceil(low_y - R(0.5)), R(0.0));
-  const real row1 = min(floor(high_y - R(0.5)), sensor->model.picture_height - R(1.0));
+  const real row0 = max(ceil(low_y - R(0.5)), sensor->model.first_row);
+  const real row1 = min(floor(high_y - R(0.5)), sensor->model.last_row);
   const int row_first = row0 <= row1 ? (int)row0 : 1;
   const int row_last = row0 <= row1 ? (int)row1 : 0;
 #else

@@ -60,10 +60,11 @@ SIM_REALS(ModelConstants) {
   real fx, fy;
   real cx, cy;
   real picture_width, picture_height;
-  real time_x, time_y, time_c;  // exposure = time_c + time_x * x + time_y * y
-  real lens_cone;               // half angle of the cone about the axis where the slopes hold
-  real lens_slope[2];           // px per rad there along x and y, at most
-  real lens_bend[2];            // second derivatives there along any great circle, px per rad^2, at most
+  real first_column, last_column, first_row, last_row;  // between which all pixels that are asked for lie
+  real time_x, time_y, time_c;                          // exposure = time_c + time_x * x + time_y * y
+  real lens_cone;      // half angle of the cone about the axis where the slopes hold
+  real lens_slope[2];  // px per rad there along x and y, at most
+  real lens_bend[2];   // second derivatives there along any great circle, px per rad^2, at most
   SIM_REALS_OF(LensConstants) lens;
 
   // LiDARs. x is the spin angle since the sweep's start.

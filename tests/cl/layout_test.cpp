@@ -83,6 +83,10 @@ Offsets host_offsets() {
   FIELD(ModelConstants, cy)                 \
   FIELD(ModelConstants, picture_width)      \
   FIELD(ModelConstants, picture_height)     \
+  FIELD(ModelConstants, first_column)       \
+  FIELD(ModelConstants, last_column)        \
+  FIELD(ModelConstants, first_row)          \
+  FIELD(ModelConstants, last_row)           \
   FIELD(ModelConstants, time_x)             \
   FIELD(ModelConstants, time_y)             \
   FIELD(ModelConstants, time_c)             \

@@ -111,9 +111,9 @@ TEST(RayMask, RowsHoldEqualNumbersOfBeams) {
 }
 
 /// Particles of all sizes around the sensor, with some on the seam, at the poles and around the sensor.
-GaussianSet crowd(std::uint64_t seed, int degree) {
+GaussianSet crowd(std::uint64_t seed, int degree, SetKind kind = SetKind::kLidar) {
   test::SetRecipe recipe;
-  recipe.kind = SetKind::kLidar;
+  recipe.kind = kind;
   recipe.sh_degree = degree;
   recipe.count = 500;
   recipe.low = {-25, -25, -4};
@@ -173,28 +173,53 @@ class Comparison {
                    const View& view,
                    std::uint64_t seed,
                    const std::vector<Request>& requested) {
-    const ParticleBuffers particles(device_, crowd(seed, 0), Precision::kFloat);
-    const SensorRays all(device_, lidar, nominal_rays(lidar), off_);
-    const SensorRays marked(device_, lidar, nominal_rays(lidar), auto_);
-    const auto columns = static_cast<std::size_t>(lidar.columns);
+    expect_same(lidar.name,
+                crowd(seed, 0),
+                SensorRays(device_, lidar, nominal_rays(lidar), off_),
+                SensorRays(device_, lidar, nominal_rays(lidar), auto_),
+                static_cast<std::size_t>(lidar.columns),
+                view,
+                requested);
+  }
+  void expect_same(const Camera& camera,
+                   const View& view,
+                   std::uint64_t seed,
+                   const std::vector<Request>& requested) {
+    expect_same(camera.name,
+                crowd(seed, 0, SetKind::kCamera),
+                SensorRays(device_, camera, off_),
+                SensorRays(device_, camera, auto_),
+                static_cast<std::size_t>(camera.width),
+                view,
+                requested);
+  }
+
+  std::size_t kept = 0, dropped = 0;
+
+ private:
+  void expect_same(const std::string& sensor,
+                   const GaussianSet& set,
+                   const SensorRays& all,
+                   const SensorRays& marked,
+                   std::size_t columns,
+                   const View& view,
+                   const std::vector<Request>& requested) {
+    const ParticleBuffers particles(device_, set, Precision::kFloat);
     for (const Request& request : requested) {
       const std::string name = request.name;
-      const std::vector<bool> flags = flags_of(request, lidar.ray_count(), columns);
+      const std::vector<bool> flags = flags_of(request, all.grid().rays, columns);
       const Sweep expected = sweep_of(without_culling_, particles, all.requested(flags), view);
       const Sweep culled = sweep_of(with_culling_, particles, marked.requested(flags), view);
-      ASSERT_EQ(culled.bits, expected.bits) << lidar.name << ", " << name;
+      ASSERT_EQ(culled.bits, expected.bits) << sensor << ", " << name;
       ASSERT_LE(culled.visible, expected.visible);
       if (name == "none") {
-        ASSERT_EQ(culled.visible, 0U) << lidar.name;
+        ASSERT_EQ(culled.visible, 0U) << sensor;
       }
       kept += culled.visible;
       dropped += expected.visible - culled.visible;
     }
   }
 
-  std::size_t kept = 0, dropped = 0;
-
- private:
   static RenderOptions with(RenderOptions options, Culling culling) {
     options.culling = culling;
     return options;
@@ -254,6 +279,23 @@ TEST(RayMask, NorInOtherShapesAndExtents) {
   for (const RenderOptions& options : {gpu, exact}) expect_no_bit_changes_in_spans(options);
 }
 
+// Of cameras the rectangle around the pixels counts, also where the picture goes round.
+TEST(RayMask, NorInPictures) {
+  Comparison comparison(paper_options());
+  Camera camera = test::shot_of(test::kCameraRolling, 150, 20).camera;
+  Camera panorama = camera;
+  panorama.name = "panorama";
+  panorama.lens = Lens(LensKind::kEquirectangular, {});
+  panorama.fx = panorama.fy = panorama.width / (2.0 * kPi);
+  for (const Camera& of : {camera, panorama}) {
+    for (const View& view : {View{}, drive()}) {
+      comparison.expect_same(of, view, 7, requests());
+      if (testing::Test::HasFatalFailure()) return;
+    }
+  }
+  EXPECT_GT(comparison.dropped, comparison.kept / 4);
+}
+
 TEST(RayMask, AFullMaskIsNotAsked) {
   const Device& device = test::device();
   RenderOptions options = paper_options();
@@ -270,11 +312,11 @@ TEST(RayMask, AFullMaskIsNotAsked) {
   EXPECT_FALSE(off.requested(some).mask().can_cull);
 }
 
-TEST(RayMask, RequestedRaysSeeWhatTheyDoInAFullSweep) {
+void expect_what_all_see(const test::SceneCase& scene_case) {
   const Device& device = test::device();
-  const test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
+  const test::Shot shot = test::shot_of(scene_case, 150, 20);
   Renderer renderer(device, paper_options());
-  const ParticleBuffers particles(device, crowd(3, 1), Precision::kFloat);
+  const ParticleBuffers particles(device, crowd(3, 1, shot.kind), Precision::kFloat);
   const SensorRays rays = shot.on(device, paper_options());
   const RayResults full = renderer.render(particles, rays, shot.view).results();
   for (const Request& request : requests()) {
@@ -290,6 +332,9 @@ TEST(RayMask, RequestedRaysSeeWhatTheyDoInAFullSweep) {
   }
   EXPECT_THROW((void)rays.requested(std::vector<bool>(10, true)), Error);
 }
+
+TEST(RayMask, RequestedRaysSeeWhatTheyDoInAFullSweep) { expect_what_all_see(test::kLidarMoving); }
+TEST(RayMask, RequestedPixelsSeeWhatTheyDoInAFullPicture) { expect_what_all_see(test::kCameraRolling); }
 
 }  // namespace
 }  // namespace simuli

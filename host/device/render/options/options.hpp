@@ -108,8 +108,8 @@ constexpr void visit_fields(RayOptions& o, F&& field) {
   field("render.culling",
         o.culling,
         one_of("off", "auto"),
-        "Drop particles that no requested ray of a LiDAR meets: never, or where that saves time. The same "
-        "bits either way.",
+        "Drop particles that no requested ray meets (of a camera: outside the rectangle of its requested "
+        "pixels): never, or where that saves time. The same bits either way.",
         InTraining::kFixed);
 }
 

@@ -147,6 +147,8 @@ RayGrid make_ray_grid(const Camera& camera, const RayOptions& options) {
   m.cy = camera.cy;
   m.picture_width = camera.width;
   m.picture_height = camera.height;
+  m.last_column = camera.width - 1;
+  m.last_row = camera.height - 1;
   grid.view_angle = std::acos(std::max(lowest_cosine, -1.0));
   if (grid.lens != LensKind::kPinhole && !wraps) {
     const LensSlopes slopes = lens_slopes(camera, grid.view_angle);

@@ -157,8 +157,7 @@ Pass Renderer::render(const ParticleBuffers& particles,
                                          s.options,
                                          environment == nullptr ? view.background : std::array<float, 3>{},
                                          view.drop);
-  sensor.constants.model.mask_scale = rays.mask().scale;
-  sensor.constants.model.mask_columns = rays.mask().columns;
+  sensor.constants.model = rays.model();
   bool actor_motion = false;
   std::vector<double> actors;
   ShapesInFrame shapes;

@@ -39,6 +39,23 @@ RequestedRays masked_rays(const Device& device,
   return out;
 }
 
+/// The columns and rows of a camera between which the pixels lie that are `wanted` [rays].
+void tell_rectangle(const RayGrid& grid,
+                    const std::vector<bool>& wanted,
+                    shared::ModelConstants<double>& model) {
+  Eigen::AlignedBox2d box;
+  const auto width = static_cast<std::size_t>(grid.width);
+  for (std::size_t ray = 0; ray < wanted.size(); ++ray) {
+    if (wanted[ray]) box.extend(Eigen::Vector2d(ray % width, ray / width));
+  }
+  if (box.isEmpty())
+    box = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Constant(-1.0)};  // nothing is between these
+  model.first_column = box.min().x();
+  model.last_column = box.max().x();
+  model.first_row = box.min().y();
+  model.last_row = box.max().y();
+}
+
 /// [rays] that leave the sensor; empty: all.
 std::vector<bool> not_blind(const LidarModel& model, const LidarRays& rays) {
   const auto* const lidar = std::get_if<Lidar>(&model);
@@ -62,10 +79,16 @@ SensorRays::Shared::Shared(const Device& on,
       layout(on, grid, with.precision) {}
 
 SensorRays::Request::Request(const Shared& of, const std::vector<bool>& wanted)
-    : rays(masked_rays(of.device, of.grid, of.precision, wanted)) {
-  if (of.grid.type != SensorType::kLidar || of.options.culling == Culling::kOff) return;
+    : rays(masked_rays(of.device, of.grid, of.precision, wanted)), model(of.grid.model) {
+  if (of.options.culling == Culling::kOff) return;
+  if (of.grid.type == SensorType::kCamera) {
+    if (!wanted.empty()) tell_rectangle(of.grid, wanted, model);
+    return;
+  }
   const bool all = std::find(wanted.begin(), wanted.end(), false) == wanted.end();
   mask = RayMaskStage(of.device, of.precision).run(of.grid, all, of.layout, rays);
+  model.mask_scale = mask.scale;
+  model.mask_columns = mask.columns;
 }
 
 SensorRays::SensorRays(const Device& device,

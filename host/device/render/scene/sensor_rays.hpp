@@ -41,12 +41,15 @@ class SensorRays {
 
   /// The same sensor's, of which those with flags[ray] alone are rendered; the others are slots without a
   /// ray, and their results the background. flags[rays], whatever was asked for before. A LiDAR's ray mask is
-  /// made anew. Waits. Error{kUsage} for another number of flags.
+  /// made anew; a camera's particles are left out outside the rectangle of its pixels that are asked for. Waits.
+  /// Error{kUsage} for another number of flags.
   [[nodiscard]] SensorRays requested(std::vector<bool> flags) const;
 
   [[nodiscard]] const RayGrid& grid() const { return shared_->grid; }
   /// Of those that are asked for; of a LiDAR that culls.
   [[nodiscard]] const RayMask& mask() const { return request_->mask; }
+  /// The grid's, with where those that are asked for are.
+  [[nodiscard]] const shared::ModelConstants<double>& model() const { return request_->model; }
   [[nodiscard]] RayBuffers buffers() const { return {shared_->layout, request_->rays}; }
   /// The map between slots and rays on the device, made when first asked for.
   [[nodiscard]] const RayMap& map() const;
@@ -78,6 +81,7 @@ class SensorRays {
     Request(const Shared& of, const std::vector<bool>& wanted);
     RequestedRays rays;
     RayMask mask;
+    shared::ModelConstants<double> model;
   };
   friend class RayValues;
   SensorRays(const Device& device, RayGrid grid, std::vector<bool> sees, const RenderOptions& options);
