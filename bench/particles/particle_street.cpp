@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "host/core/base/linear_algebra.hpp"
 #include "host/core/base/splitmix.hpp"
 #include "host/core/scene/particle_order.hpp"
 
@@ -56,8 +57,7 @@ GaussianSet street_particles(
   Random random(seed);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Patch patch = draw(random, length_m);
-    const Eigen::Quaterniond turn =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), patch.normal);
+    const Eigen::Quaterniond turn = turn_between(Eigen::Vector3d::UnitZ(), patch.normal);
     set.mean().row(i) = patch.position.cast<float>();
     set.rotation().row(i) << static_cast<float>(turn.w()), static_cast<float>(turn.x()),
         static_cast<float>(turn.y()), static_cast<float>(turn.z());

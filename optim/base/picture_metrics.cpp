@@ -1,5 +1,4 @@
 // PSNR and SSIM of optim/base/metrics.hpp.
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +8,7 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/interruption.hpp"
+#include "host/core/base/linear_algebra.hpp"
 #include "optim/base/metrics.hpp"
 
 namespace simuli {
@@ -135,9 +135,8 @@ Image colour_corrected(const Image& rendered,
   if (!weight.empty()) counts.array() *= Pixels(weight.data(), pixels, 1).cast<double>();
   // Of grey and of plain pictures many transforms are as near: the least one.
   const Eigen::MatrixXd weighted = counts.asDiagonal() * coloured;
-  const Eigen::MatrixXd transform = (weighted.transpose() * coloured)
-                                        .completeOrthogonalDecomposition()
-                                        .solve(weighted.transpose() * to.matrix().cast<double>());
+  const Eigen::MatrixXd transform = pseudo_inverse<Eigen::MatrixXd>(weighted.transpose() * coloured) *
+                                    (weighted.transpose() * to.matrix().cast<double>());
   Image corrected = rendered;
   Eigen::Map<Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
       corrected.data.data(), pixels, channels) =

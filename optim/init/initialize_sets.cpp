@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/linear_algebra.hpp"
 #include "optim/points/surface_shapes.hpp"
 
 namespace simuli {
@@ -152,7 +153,7 @@ GaussianSet shell_set(const FarShell& shell,
     set_shape(set,
               static_cast<Eigen::Index>(row),
               patch.direction * static_cast<float>(shell.distance_m()),
-              Eigen::Quaternionf::FromTwoVectors(Eigen::Vector3f::UnitZ(), patch.direction),
+              turn_between(Eigen::Vector3d::UnitZ(), patch.direction.cast<double>()).cast<float>(),
               {scale_m, scale_m, kShellFlatRatio * scale_m});
     set.opacity_logit()(static_cast<Eigen::Index>(row)) = kShellOpacityLogit;
     set_colour(set, row, patch.colour);

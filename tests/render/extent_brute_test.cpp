@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "host/core/base/angles.hpp"
+#include "host/core/base/linear_algebra.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/support/device.hpp"
 
@@ -186,8 +187,8 @@ std::vector<SingleParticle> degenerate() {
       default: {  // from behind the sensor to before it, some way aside
         const Vector3d aside(0.0, random.uniform(0.3, 2.0), random.uniform(-1.0, 1.0));
         particle.mean = Vector3d(-random.uniform(1.0, 6.0), 0.0, 0.0) + aside;
-        particle.rotation = Eigen::Quaterniond::FromTwoVectors(
-            Vector3d::UnitX(), Vector3d(5.0, random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)));
+        particle.rotation = turn_between(Vector3d::UnitX(),
+                                         Vector3d(5.0, random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)));
         particle.scale = {5.0, 0.1, 0.02};
       }
     }

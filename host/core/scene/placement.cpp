@@ -7,6 +7,7 @@
 
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/linear_algebra.hpp"
 #include "host/core/scene/edit.hpp"
 #include "host/core/scene/particle_order.hpp"
 
@@ -53,8 +54,10 @@ Eigen::MatrixXd turned_bands(const Eigen::Quaterniond& b_from_a) {
   Eigen::MatrixXd turned = Eigen::MatrixXd::Zero(16, 16);
   for (int band = 0; band <= 3; ++band) {
     const int first = band * band, count = 2 * band + 1;
+    const Eigen::MatrixXd of_band = in_b.middleCols(first, count);  // well conditioned
     turned.block(first, first, count, count) =
-        in_b.middleCols(first, count).colPivHouseholderQr().solve(in_a.middleCols(first, count));
+        pseudo_inverse<Eigen::MatrixXd>(of_band.transpose() * of_band) *
+        (of_band.transpose() * in_a.middleCols(first, count));
   }
   return turned;
 }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/core/base/error.hpp"
+#include "host/core/base/linear_algebra.hpp"
 #include "host/core/base/names.hpp"
 #include "host/core/base/spread.hpp"
 #include "host/core/scene/mounting.hpp"
@@ -58,7 +59,7 @@ Eigen::Quaterniond levelled(const PhotoSet& set) {
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   for (const Photo& photo : set.photos) up -= photo.world_from_camera.rotation * Eigen::Vector3d::UnitY();
   if (!(up.norm() > 0.1 * static_cast<double>(set.photos.size()))) return Eigen::Quaterniond::Identity();
-  return Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ());
+  return turn_between(up, Eigen::Vector3d::UnitZ());
 }
 
 /// Cameras become as large as their photographs are, where these are the whole picture made smaller.

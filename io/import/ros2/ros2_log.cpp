@@ -10,6 +10,7 @@
 
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/linear_algebra.hpp"
 #include "host/core/base/names.hpp"
 #include "io/import/ros2/ros2_frames.hpp"
 #include "io/import/ros2/ros2_lidar.hpp"
@@ -399,8 +400,7 @@ class Importer {
           tilt / kDegree));
       return;
     }
-    const Pose turn{Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()),
-                    Eigen::Vector3d::Zero()};
+    const Pose turn{turn_between(up, Eigen::Vector3d::UnitZ()), Eigen::Vector3d::Zero()};
     for (TimedPose& p : poses) p.pose = turn * p.pose;
     note(fmt::format("the path's frame is turned by {:.1f} degrees: {} stands upright then, and z is up",
                      tilt / kDegree,

@@ -166,8 +166,9 @@ std::optional<Eigen::Vector2d> variances(ceres::Problem& problem, double& first,
       jacobian.values.data(), jacobian.num_rows, 2);
   const Eigen::Matrix2d normal = j.transpose() * j;
   constexpr double kLeastCondition = 1e-14;  // reciprocal, of the normal equations
-  const Eigen::Vector2d values =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(normal, Eigen::EigenvaluesOnly).eigenvalues();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+  solver.computeDirect(normal, Eigen::EigenvaluesOnly);
+  const Eigen::Vector2d& values = solver.eigenvalues();
   if (!(values[0] > kLeastCondition * values[1])) return {};
   return normal.inverse().diagonal();
 }

@@ -9,6 +9,7 @@
 
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/linear_algebra.hpp"
 #include "host/core/base/parallel.hpp"
 #include "optim/calibration/path/refine.hpp"
 #include "optim/calibration/path/residuals.hpp"
@@ -330,8 +331,7 @@ Constraint constraint_of(const std::vector<Vector3d>& p_rig, const std::vector<V
   out.least_shift = shifts.eigenvalues()[0];
   out.shift_direction = signed_axis(shifts.eigenvectors().col(0));
   // What turns alone tell, once every shift has been allowed for.
-  const Matrix3d left =
-      turn - mixed * shift.completeOrthogonalDecomposition().pseudoInverse() * mixed.transpose();
+  const Matrix3d left = turn - mixed * pseudo_inverse(shift) * mixed.transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix3d> turns(left);
   out.least_turn = turns.eigenvalues()[0];
   out.turn_axis = signed_axis(turns.eigenvectors().col(0));

@@ -13,6 +13,7 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/interruption.hpp"
+#include "host/core/base/linear_algebra.hpp"
 #include "host/core/base/parallel.hpp"
 #include "host/core/base/spread.hpp"
 #include "optim/calibration/path/odometry.hpp"
@@ -230,7 +231,7 @@ class JointProblem {
       }
     }
     for (std::size_t p = 0; p < planes.size(); ++p) {
-      const Eigen::Matrix3d inverse = planes[p].completeOrthogonalDecomposition().pseudoInverse();
+      const Eigen::Matrix3d inverse = pseudo_inverse(planes[p]);
       for (const auto& [i, left] : mixed[p]) {
         const Eigen::RowVector3d through = left.transpose() * inverse;
         for (const auto& [j, right] : mixed[p]) poses(i, j) -= through.dot(right);

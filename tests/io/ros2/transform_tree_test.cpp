@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <string>
 
+#include "host/core/base/linear_algebra.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli::ros2 {
@@ -70,8 +71,7 @@ TEST(TransformTree, WorldIsBelowTheCentreOfTheEarth) {
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(testing::Message() << c.root << " " << c.map_m.transpose());
-    const Eigen::Quaterniond turn =
-        c.is_level ? Eigen::Quaterniond::Identity() : Eigen::Quaterniond::FromTwoVectors(up, c.map_m);
+    const Eigen::Quaterniond turn = c.is_level ? Eigen::Quaterniond::Identity() : turn_between(up, c.map_m);
     TransformTree tree("a.mcap");
     TransformTree bare("a.mcap");  // the rig is in the root itself
     TransformMessage map;
