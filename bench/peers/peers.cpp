@@ -17,7 +17,7 @@
 #include "bench/render/stages.hpp"
 #include "host/core/sensors/lidar_library.hpp"
 #include "host/device/render/rays/ray_grid.hpp"
-#include "host/device/render/rays/sensor_in_frame.hpp"
+#include "host/device/render/scene/sensor_in_frame.hpp"
 
 namespace simuli::bench {
 namespace {
@@ -108,12 +108,8 @@ class Traced {
                  set.kind == SetKind::kCamera ? 3 : 1}),
         packets_(packets_of(rays.grid())),
         rays_(rays.grid().rays) {
-    const SensorInFrame of_frame = sensor_in_frame(rays.grid(),
-                                                   view.scene_from_sensor_start,
-                                                   view.scene_from_sensor_end,
-                                                   options,
-                                                   view.background,
-                                                   view.drop);
+    const SensorInFrame of_frame = sensor_in_frame(
+        rays, view.scene_from_sensor_start, view.scene_from_sensor_end, options, view.background, view.drop);
     frame_ = {of_frame.constants, of_frame.moving};
   }
   void build() { tracer_.build(frame_); }

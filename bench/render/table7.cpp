@@ -144,7 +144,7 @@ std::vector<Row> run_table7(const std::string& device_request, std::int64_t part
     const std::vector<bool> requested = rays_of(one, sensor);
     ways.request(requested);
     const std::string base = fmt::format("table7/{}_{}k/", one.name, particles / 1000);
-    if (!ways.on.rays().mask().can_cull)
+    if (!ways.on.rays().can_cull())
       note(base + ": every cell of the mask holds a ray, nothing is asked");
     add_times(base, ways.time(), rows);
     const auto& a = ways.off.pass().buffers().binned;

@@ -8,6 +8,7 @@
 #include "cl/shared/layout.h"
 #include "host/core/base/error.hpp"
 #include "host/device/render/backward/backward_stages.hpp"
+#include "host/device/render/rays/ray_mask.hpp"
 #include "host/device/render/scene/renderer.hpp"
 #include "host/device/render/train/adam.hpp"
 #include "host/device/render/train/anchor.hpp"

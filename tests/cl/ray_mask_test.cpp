@@ -53,10 +53,10 @@ TEST(RayMask, AreasCountOccupiedCells) {
   for (const Request& request : requests()) {
     SCOPED_TRACE(request.name);
     const SensorRays rays = all.requested(flags_of(request, 3000, 150));
-    const auto columns = static_cast<std::size_t>(rays.mask().columns);
+    const auto columns = static_cast<std::size_t>(rays.model().mask_columns);
     const std::size_t rows = std::string(request.name) == "all" ? 8 : 20;
     const double first = rays.grid().model.tile_first;
-    const double width = (rays.grid().model.tile_last - first) / rays.mask().columns;
+    const double width = (rays.grid().model.tile_last - first) / rays.model().mask_columns;
     const auto mask_row_of_row = rays.buffers().requested.mask_row_of_row.download();
     // Where each requested ray is; one within rounding of an edge may be in either cell.
     constexpr double kFloat_rad = 2e-6;
@@ -85,7 +85,7 @@ TEST(RayMask, AreasCountOccupiedCells) {
         ASSERT_LE(here, possible[y * columns + x]) << x << ", " << y;
       }
     }
-    EXPECT_EQ(rays.mask().can_cull, areas.back() < rows * columns);
+    EXPECT_EQ(rays.can_cull(), areas.back() < rows * columns);
   }
 }
 
@@ -301,15 +301,15 @@ TEST(RayMask, AFullMaskIsNotAsked) {
   RenderOptions options = paper_options();
   const Lidar lidar = builtin_lidar("generic64");
   const SensorRays rays(device, lidar, nominal_rays(lidar), options);
-  EXPECT_GT(rays.mask().columns, 0.0);
-  EXPECT_FALSE(rays.mask().can_cull);
+  EXPECT_GT(rays.model().mask_columns, 0.0);
+  EXPECT_FALSE(rays.can_cull());
   const std::vector<bool> some =
       flags_of(requests()[1], lidar.ray_count(), static_cast<std::size_t>(lidar.columns));
-  EXPECT_TRUE(rays.requested(some).mask().can_cull);
-  EXPECT_FALSE(rays.requested(std::vector<bool>(lidar.ray_count(), true)).mask().can_cull);
+  EXPECT_TRUE(rays.requested(some).can_cull());
+  EXPECT_FALSE(rays.requested(std::vector<bool>(lidar.ray_count(), true)).can_cull());
   options.culling = Culling::kOff;
   const SensorRays off(device, lidar, nominal_rays(lidar), options);
-  EXPECT_FALSE(off.requested(some).mask().can_cull);
+  EXPECT_FALSE(off.requested(some).can_cull());
 }
 
 void expect_what_all_see(const test::SceneCase& scene_case) {

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "host/device/render/rays/sensor_in_frame.hpp"
+#include "host/device/render/scene/sensor_in_frame.hpp"
 #include "tests/cl/support.hpp"
 
 namespace simuli {
@@ -60,7 +60,7 @@ nlohmann::json dumped(const test::SceneCase& scene, const Device& device) {
   pass.set_output_gradients(test::by_ray(pass.rays(), weights));
   pass.backward(particles, grads);
   const auto constants =
-      sensor_in_frame(grid, start, end, options, shot.view.background, shot.view.drop).constants;
+      sensor_in_frame(rays, start, end, options, shot.view.background, shot.view.drop).constants;
   out["kappa"] = constants.model.kappa;
   out["t_min_m"] = constants.model.t_min;
   out["t_max_m"] = constants.model.t_max;

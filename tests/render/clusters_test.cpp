@@ -15,7 +15,7 @@
 #include "host/core/scene/particle_order.hpp"
 #include "host/device/render/frame/actor_constants.hpp"
 #include "host/device/render/pages/frame_sight.hpp"
-#include "host/device/render/rays/sensor_in_frame.hpp"
+#include "host/device/render/scene/sensor_in_frame.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/render/actor_scenes.hpp"
 #include "tests/support/device.hpp"
@@ -136,8 +136,8 @@ std::vector<bool> in_sight(const GaussianSet& set,
                            const SensorRays& rays,
                            const View& view,
                            const RenderOptions& options) {
-  const SensorInFrame sensor = sensor_in_frame(
-      rays.grid(), view.scene_from_sensor_start, view.scene_from_sensor_end, options, {}, view.drop);
+  const SensorInFrame sensor =
+      sensor_in_frame(rays, view.scene_from_sensor_start, view.scene_from_sensor_end, options, {}, view.drop);
   bool motion = false;
   const std::vector<double> actors =
       actor_constants(view.actors, Vector3d(sensor.constants.centre_ref), motion);

@@ -1,7 +1,6 @@
 #include "host/core/base/linear_algebra.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <cmath>
 #include <limits>
 
 namespace simuli {

@@ -7,7 +7,6 @@
 #include "bench/particles/particle_street.hpp"
 #include "host/core/base/angles.hpp"
 #include "host/device/render/frame/actor_constants.hpp"
-#include "host/device/render/rays/sensor_in_frame.hpp"
 #include "host/device/render/scene/renderer.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
 #include "tests/cl/support.hpp"

@@ -1,8 +1,40 @@
 // Launcher of "kernels/project.cl".
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+#include "host/core/base/splitmix.hpp"
 #include "host/device/render/frame/stages.hpp"
-#include "host/device/render/rays/sensor_in_frame.hpp"
 
 namespace simuli {
+namespace {
+
+/// SIM_MONTE_CARLO standard normal triples, the same always, in pairs of opposite sign so that their mean is
+/// exactly 0; by splitmix64 and Box-Muller.
+std::vector<double> normal_samples() {
+  std::vector<double> values;
+  std::uint64_t state = 0;
+  const auto uniform = [&state] {
+    const std::uint64_t z = splitmix(state);
+    state += kSplitmixStep;
+    return (static_cast<double>(z >> 11U) + 0.5) * 0x1p-53;
+  };
+  for (int pair = 0; pair < SIM_MONTE_CARLO / 2; ++pair) {
+    double sample[3];
+    for (double& value : sample) {
+      const double radius = std::sqrt(-2.0 * std::log(uniform()));
+      value = radius * std::cos(2.0 * std::numbers::pi * uniform());
+    }
+    for (const double sign : {1.0, -1.0}) {
+      for (const double value : sample) values.push_back(sign * value);
+    }
+  }
+  return values;
+}
+
+}  // namespace
+
 ProjectStage::ProjectStage(const Device& device, const Variant& variant)
     : lanes_(variant.options.shape.lanes),
       actor_motion_(variant.frame.actor_motion),

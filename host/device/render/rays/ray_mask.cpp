@@ -38,10 +38,15 @@ RayMaskStage::RayMaskStage(const Device& device, Precision precision)
       row_sums_(Program(device, "kernels/ray_mask.cl", mask_options(precision)), "ray_mask_row_sums"),
       column_sums_(Program(device, "kernels/ray_mask.cl", mask_options(precision)), "ray_mask_column_sums") {}
 
-RayMask RayMaskStage::run(const RayGrid& grid, bool all, const RayLayout& layout, RequestedRays& requested) {
+bool RayMaskStage::run(const RayGrid& grid,
+                       bool all,
+                       const RayLayout& layout,
+                       RequestedRays& requested,
+                       shared::ModelConstants<double>& model) {
   const RayMaskSize size = size_of_mask(grid, all);
   const auto columns = static_cast<std::uint32_t>(size.columns), rows = static_cast<std::uint32_t>(size.rows);
-  const double scale = columns / (grid.model.tile_last - grid.model.tile_first);
+  model.mask_scale = columns / (model.tile_last - model.tile_first);
+  model.mask_columns = columns;
   requested.mask_row_of_row.assign(rows_of_mask(grid, rows));
   scratch_.reserve(size);
   scratch_.cells.fill(0);
@@ -49,15 +54,15 @@ RayMask RayMaskStage::run(const RayGrid& grid, bool all, const RayLayout& layout
                   {{"frame", grid.frame},
                    layout,
                    requested,
-                   {"first", grid.model.tile_first},
-                   {"scale", scale},
+                   {"first", model.tile_first},
+                   {"scale", model.mask_scale},
                    {"columns", columns},
                    scratch_});
   requested.areas.reserve((std::size_t{rows} + 1) * (std::size_t{columns} + 1));
   row_sums_.run_over(std::size_t{rows} + 1, {scratch_, {"rows", rows}, {"columns", columns}, requested});
   column_sums_.run_over(std::size_t{columns} + 1, {{"rows", rows}, {"columns", columns}, requested});
   const std::uint32_t marked = requested.areas.read_back(requested.areas.count() - 1);
-  return {scale, static_cast<double>(columns), marked < std::size_t{rows} * columns};
+  return marked < std::size_t{rows} * columns;
 }
 
 }  // namespace simuli

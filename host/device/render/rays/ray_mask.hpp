@@ -1,5 +1,6 @@
 #pragma once
 // Ray-based culling (docs/METHOD.md section 6): where a LiDAR's requested rays are, as a summed-area table.
+#include "cl/shared/sensor_constants.h"
 #include "host/device/render/rays/ray_buffers.hpp"
 #include "host/device/runtime/kernel.hpp"
 
@@ -18,18 +19,17 @@ struct RayMaskScratch : BufferTable<RayMaskSize> {
               }};
 };
 
-/// What frames are told of it.
-struct RayMask {
-  double scale = 0.0, columns = 0.0;  // columns per rad of the sweep, and their number
-  bool can_cull = false;              // some cell holds no ray: only then can the table cull anything
-};
-
 class RayMaskStage {
  public:
   RayMaskStage(const Device& device, Precision precision);
-  /// The rays that `requested` holds a direction of, `all` of them or some -> its mask_row_of_row and areas.
-  /// Waits.
-  RayMask run(const RayGrid& grid, bool all, const RayLayout& layout, RequestedRays& requested);
+  /// The rays that `requested` holds a direction of, `all` of them or some -> its mask_row_of_row and areas,
+  /// and the model's mask_scale and mask_columns. Whether some cell holds no ray: only then can the table cull
+  /// anything. Waits.
+  bool run(const RayGrid& grid,
+           bool all,
+           const RayLayout& layout,
+           RequestedRays& requested,
+           shared::ModelConstants<double>& model);
 
  private:
   RayMaskScratch scratch_;

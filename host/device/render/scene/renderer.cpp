@@ -9,8 +9,8 @@
 #include "host/device/render/options/lane_shape.hpp"
 #include "host/device/render/options/validate.hpp"
 #include "host/device/render/pages/particle_pages.hpp"
-#include "host/device/render/rays/sensor_in_frame.hpp"
 #include "host/device/render/scene/pass_state.hpp"
+#include "host/device/render/scene/sensor_in_frame.hpp"
 
 namespace simuli {
 namespace {
@@ -53,7 +53,7 @@ FrameKind kind_of(const RenderOptions& options,
   kind.actor_ids = view.actor_ids;
   kind.median =
       view.actor_ids || (grid.type == SensorType::kLidar ? options.median_distance : view.camera_median);
-  kind.culling = rays.mask().can_cull;
+  kind.culling = rays.can_cull();
   return kind;
 }
 
@@ -151,13 +151,12 @@ Pass Renderer::render(const ParticleBuffers& particles,
   check(s.options, particles, rays, view, environment);
   const bool still = s.options.shutter_iterations == 0;
   const Pose middle = interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, 0.5);
-  SensorInFrame sensor = sensor_in_frame(rays.grid(),
+  SensorInFrame sensor = sensor_in_frame(rays,
                                          still ? middle : view.scene_from_sensor_start,
                                          still ? middle : view.scene_from_sensor_end,
                                          s.options,
                                          environment == nullptr ? view.background : std::array<float, 3>{},
                                          view.drop);
-  sensor.constants.model = rays.model();
   bool actor_motion = false;
   std::vector<double> actors;
   ShapesInFrame shapes;

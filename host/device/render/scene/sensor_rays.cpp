@@ -9,6 +9,7 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/fields.hpp"
 #include "host/device/render/frame/room.hpp"
+#include "host/device/render/rays/ray_mask.hpp"
 
 namespace simuli {
 namespace {
@@ -86,9 +87,7 @@ SensorRays::Request::Request(const Shared& of, const std::vector<bool>& wanted)
     return;
   }
   const bool all = std::find(wanted.begin(), wanted.end(), false) == wanted.end();
-  mask = RayMaskStage(of.device, of.precision).run(of.grid, all, of.layout, rays);
-  model.mask_scale = mask.scale;
-  model.mask_columns = mask.columns;
+  can_cull = RayMaskStage(of.device, of.precision).run(of.grid, all, of.layout, rays, model);
 }
 
 SensorRays::SensorRays(const Device& device,

@@ -10,7 +10,6 @@
 #include "host/device/render/options/options.hpp"
 #include "host/device/render/rays/ray_buffers.hpp"
 #include "host/device/render/rays/ray_grid.hpp"
-#include "host/device/render/rays/ray_mask.hpp"
 
 namespace simuli {
 
@@ -46,8 +45,8 @@ class SensorRays {
   [[nodiscard]] SensorRays requested(std::vector<bool> flags) const;
 
   [[nodiscard]] const RayGrid& grid() const { return shared_->grid; }
-  /// Of those that are asked for; of a LiDAR that culls.
-  [[nodiscard]] const RayMask& mask() const { return request_->mask; }
+  /// Whether a LiDAR's ray mask can leave particles out that no ray asked for reaches.
+  [[nodiscard]] bool can_cull() const { return request_->can_cull; }
   /// The grid's, with where those that are asked for are.
   [[nodiscard]] const shared::ModelConstants<double>& model() const { return request_->model; }
   [[nodiscard]] RayBuffers buffers() const { return {shared_->layout, request_->rays}; }
@@ -80,8 +79,8 @@ class SensorRays {
   struct Request {
     Request(const Shared& of, const std::vector<bool>& wanted);
     RequestedRays rays;
-    RayMask mask;
     shared::ModelConstants<double> model;
+    bool can_cull = false;
   };
   friend class RayValues;
   SensorRays(const Device& device, RayGrid grid, std::vector<bool> sees, const RenderOptions& options);

@@ -1,11 +1,10 @@
 #pragma once
 // What kernels are told of a sensor in one frame.
 #include <array>
-#include <vector>
 
 #include "cl/shared/sensor_constants.h"
 #include "host/core/scene/ray_drop.hpp"
-#include "host/device/render/rays/ray_grid.hpp"
+#include "host/device/render/scene/sensor_rays.hpp"
 
 namespace simuli {
 
@@ -15,15 +14,11 @@ struct SensorInFrame {
 };
 
 /// The constants of one frame: model, poses, cuts, background, drop function.
-[[nodiscard]] SensorInFrame sensor_in_frame(const RayGrid& grid,
+[[nodiscard]] SensorInFrame sensor_in_frame(const SensorRays& rays,
                                             const Pose& scene_from_sensor_start,
                                             const Pose& scene_from_sensor_end,
                                             const RenderOptions& options,
                                             const std::array<float, 3>& background,
                                             const RayDrop::Parameters& drop);
-
-/// SIM_MONTE_CARLO standard normal triples, the same always, in pairs of opposite sign so that their mean is
-/// exactly 0.
-[[nodiscard]] std::vector<double> normal_samples();
 
 }  // namespace simuli

@@ -1,12 +1,9 @@
-#include "host/device/render/rays/sensor_in_frame.hpp"
+#include "host/device/render/scene/sensor_in_frame.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <numbers>
 
 #include "host/core/base/angles.hpp"
-#include "host/core/base/splitmix.hpp"
 
 namespace simuli {
 namespace {
@@ -21,15 +18,16 @@ void put_inverse(const Eigen::Quaterniond& scene_from_sensor, double* to) {
 
 }  // namespace
 
-SensorInFrame sensor_in_frame(const RayGrid& grid,
+SensorInFrame sensor_in_frame(const SensorRays& rays,
                               const Pose& scene_from_sensor_start,
                               const Pose& scene_from_sensor_end,
                               const RenderOptions& options,
                               const std::array<float, 3>& background,
                               const RayDrop::Parameters& drop) {
+  const RayGrid& grid = rays.grid();
   SensorInFrame out;
   auto& c = out.constants;
-  c.model = grid.model;
+  c.model = rays.model();
   const Pose& a = scene_from_sensor_start;
   const Pose& b = scene_from_sensor_end;
   a.check("the sensor");
@@ -52,7 +50,7 @@ SensorInFrame sensor_in_frame(const RayGrid& grid,
   c.alpha_cut = options.alpha_cut;
   c.transmittance_cut = options.transmittance_cut;
   for (std::size_t k = 0; k < 3; ++k) c.background[k] = static_cast<double>(background[k]);
-  if (options.detail > 0.0) c.detail_reach = grid.model.rays_per_rad / options.detail;
+  if (options.detail > 0.0) c.detail_reach = c.model.rays_per_rad / options.detail;
   c.drop = shared::from_reals<shared::DropConstants>(drop);
   if (grid.type == SensorType::kCamera) {
     const double cone = std::min(grid.view_angle + c.turn_angle / 2.0 + 1e-4, kPi);
@@ -60,28 +58,6 @@ SensorInFrame sensor_in_frame(const RayGrid& grid,
     c.sin_view = std::sin(cone);
   }
   return out;
-}
-
-/// By splitmix64 and Box-Muller.
-std::vector<double> normal_samples() {
-  std::vector<double> values;
-  std::uint64_t state = 0;
-  const auto uniform = [&state] {
-    const std::uint64_t z = splitmix(state);
-    state += kSplitmixStep;
-    return (static_cast<double>(z >> 11U) + 0.5) * 0x1p-53;
-  };
-  for (int pair = 0; pair < SIM_MONTE_CARLO / 2; ++pair) {
-    double sample[3];
-    for (double& value : sample) {
-      const double radius = std::sqrt(-2.0 * std::log(uniform()));
-      value = radius * std::cos(2.0 * std::numbers::pi * uniform());
-    }
-    for (const double sign : {1.0, -1.0}) {
-      for (const double value : sample) values.push_back(sign * value);
-    }
-  }
-  return values;
 }
 
 }  // namespace simuli
