@@ -87,17 +87,15 @@ std::vector<Seen> SeenBefore::of(const LogCamera& camera,
   const Picture here{camera.model, world_from_rig.at(time_s) * camera.rig_from_camera, time_s};
   const auto width = static_cast<std::size_t>(camera.model.width);
   std::vector<Seen> out(width * static_cast<std::size_t>(camera.model.height), Seen::kNever);
-  parallel_ranges(
+  parallel_each(
       out.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-          const Vector2d pixel(static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5);
-          const Surface shown = place(street_, here, pixel);
-          for (const Picture& picture : pictures_) {
-            const std::optional<double> found = share(picture, shown);
-            if (found) out[i] = std::max(out[i], *found >= kLeastShare ? Seen::kWell : Seen::kCoarsely);
-            if (out[i] == Seen::kWell) break;
-          }
+      [&](std::size_t i) {
+        const Vector2d pixel(static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5);
+        const Surface shown = place(street_, here, pixel);
+        for (const Picture& picture : pictures_) {
+          const std::optional<double> found = share(picture, shown);
+          if (found) out[i] = std::max(out[i], *found >= kLeastShare ? Seen::kWell : Seen::kCoarsely);
+          if (out[i] == Seen::kWell) break;
         }
       },
       1024);

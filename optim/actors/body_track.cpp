@@ -145,12 +145,8 @@ std::vector<BodyReturn> all_returns(const SweepSeries& series,
                                     const Eigen::AlignedBox3d& box,
                                     const TakenReturns& taken) {
   std::vector<std::vector<BodyReturn>> of_keys(track.keys());
-  parallel_ranges(
-      of_keys.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) of_keys[k] = returns_of(series, track, k, box, taken);
-      },
-      1);
+  parallel_each(
+      of_keys.size(), [&](std::size_t k) { of_keys[k] = returns_of(series, track, k, box, taken); }, 1);
   std::vector<BodyReturn> out;
   for (const std::vector<BodyReturn>& here : of_keys) out.insert(out.end(), here.begin(), here.end());
   return out;
@@ -196,13 +192,11 @@ std::vector<PointVotes> votes_along(const SweepSeries& series,
     const Pose pose = track.actor.track[key].corrected();
     PointSet placed = p_body;
     // Something long is looked at from end to end in a good part of the turn, and drives on meanwhile.
-    parallel_ranges(placed.size(), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const auto column = static_cast<Eigen::Index>(i);
-        const Eigen::Vector3d p = p_body.position.col(column).cast<double>();
-        const double time_s = series.looks_at_s(track.sweeps[key], pose * p);
-        placed.position.col(column) = (track.actor.at(time_s) * p).cast<float>();
-      }
+    parallel_each(placed.size(), [&](std::size_t i) {
+      const auto column = static_cast<Eigen::Index>(i);
+      const Eigen::Vector3d p = p_body.position.col(column).cast<double>();
+      const double time_s = series.looks_at_s(track.sweeps[key], pose * p);
+      placed.position.col(column) = (track.actor.at(time_s) * p).cast<float>();
     });
     series.vote(track.sweeps[key], placed, votes);
   }

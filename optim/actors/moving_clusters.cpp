@@ -57,12 +57,8 @@ class Trees {
       trees_.push_back(
           std::make_unique<PointTree>(3, *views_.back(), nanoflann::KDTreeSingleIndexAdaptorParams(16)));
     }
-    parallel_ranges(
-        trees_.size(),
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end; ++i) trees_[i]->buildIndex();
-        },
-        1);
+    parallel_each(
+        trees_.size(), [&](std::size_t i) { trees_[i]->buildIndex(); }, 1);
   }
   /// Nearest point of a sweep within reach_m; none of an empty sweep.
   [[nodiscard]] std::optional<std::uint32_t> nearest(std::size_t sweep,
@@ -255,12 +251,8 @@ void find_velocities(const SweepSeries& series, std::vector<std::vector<MovingCl
   for (std::vector<MovingCluster>& of_sweep : clusters) {
     for (MovingCluster& cluster : of_sweep) all.push_back(&cluster);
   }
-  parallel_ranges(
-      all.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) find_velocity(series, trees, clusters, *all[i]);
-      },
-      2);
+  parallel_each(
+      all.size(), [&](std::size_t i) { find_velocity(series, trees, clusters, *all[i]); }, 2);
 }
 
 std::vector<ClusterChain> chains_of(const SweepSeries& series,

@@ -47,15 +47,14 @@ void add_looks(const GaussianSet& set,
                const Eigen::VectorXf& weights,
                Eigen::MatrixX3f& looks) {
   const int coefficients = sh_coefficients(set.sh_degree);
-  parallel_ranges(static_cast<std::size_t>(set.size()), [&](std::size_t begin, std::size_t end) {
-    for (auto i = static_cast<Eigen::Index>(begin); i < static_cast<Eigen::Index>(end); ++i) {
-      if (!(weights(i) > 0.0F)) continue;
-      const Eigen::Vector3d towards = set.mean().row(i).transpose().cast<double>() - eye;
-      const Eigen::RowVectorXf basis = sh_basis_at(towards.normalized()).cast<float>();
-      Eigen::RowVector3f look = Eigen::RowVector3f::Zero();
-      for (int k = 0; k < coefficients; ++k) look += basis(k) * set.sh(k).row(i);
-      looks.row(i) += weights(i) * look;
-    }
+  parallel_each(static_cast<std::size_t>(set.size()), [&](std::size_t particle) {
+    const auto i = static_cast<Eigen::Index>(particle);
+    if (!(weights(i) > 0.0F)) return;
+    const Eigen::Vector3d towards = set.mean().row(i).transpose().cast<double>() - eye;
+    const Eigen::RowVectorXf basis = sh_basis_at(towards.normalized()).cast<float>();
+    Eigen::RowVector3f look = Eigen::RowVector3f::Zero();
+    for (int k = 0; k < coefficients; ++k) look += basis(k) * set.sh(k).row(i);
+    looks.row(i) += weights(i) * look;
   });
 }
 
@@ -66,23 +65,21 @@ FillSensor::FillSensor(Sensor of) : sensor(std::move(of)) {
   origin.assign(rays, Eigen::Vector3f::Zero());
   direction.assign(rays, Eigen::Vector3f::Zero());
   share.assign(rays, 0.0F);
-  parallel_ranges(rays, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (sensor.is_camera()) {
-        const Camera& camera = sensor.camera();
-        const Eigen::Vector2d pixel(static_cast<double>(i % columns) + 0.5,
-                                    static_cast<double>(i / columns) + 0.5);
-        const Eigen::Vector3d out = camera.unproject(pixel);
-        if (out.squaredNorm() > 0.0) direction[i] = out.normalized().cast<float>();
-        share[i] = static_cast<float>(camera.exposure_fraction(pixel));
-      } else {
-        const LidarRays& own = sensor.rays();
-        direction[i] =
-            Lidar::direction(static_cast<double>(own.azimuth[i]), static_cast<double>(own.elevation[i]))
-                .cast<float>();
-        origin[i] = ray_origin(sensor.lidar(), own, i).cast<float>();
-        share[i] = own.time_fraction[i];
-      }
+  parallel_each(rays, [&](std::size_t i) {
+    if (sensor.is_camera()) {
+      const Camera& camera = sensor.camera();
+      const Eigen::Vector2d pixel(static_cast<double>(i % columns) + 0.5,
+                                  static_cast<double>(i / columns) + 0.5);
+      const Eigen::Vector3d out = camera.unproject(pixel);
+      if (out.squaredNorm() > 0.0) direction[i] = out.normalized().cast<float>();
+      share[i] = static_cast<float>(camera.exposure_fraction(pixel));
+    } else {
+      const LidarRays& own = sensor.rays();
+      direction[i] =
+          Lidar::direction(static_cast<double>(own.azimuth[i]), static_cast<double>(own.elevation[i]))
+              .cast<float>();
+      origin[i] = ray_origin(sensor.lidar(), own, i).cast<float>();
+      share[i] = own.time_fraction[i];
     }
   });
 }
@@ -181,15 +178,13 @@ ActorsBefore actors_before(SceneOnDevice& scene, const FillView& view) {
   const std::vector<ActorBox> boxes = boxes_in(scene.scene(), view, kAround_m);
   const RayResults& seen = frame.results();
   // What training has put beside an actor's particles to show its rim.
-  parallel_ranges(rows.rays(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t ray = begin; ray < end; ++ray) {
-      if (rows.actor[ray] != 0 || !(seen.transmittance[ray] < kHalf)) continue;
-      Eigen::Vector3d origin, direction;
-      view.ray(ray, origin, direction);
-      const Eigen::Vector3d met = origin + static_cast<double>(seen.expected_distance(ray)) * direction;
-      for (const ActorBox& box : boxes) {
-        if (box.holds(met)) rows.actor[ray] = box.actor;
-      }
+  parallel_each(rows.rays(), [&](std::size_t ray) {
+    if (rows.actor[ray] != 0 || !(seen.transmittance[ray] < kHalf)) return;
+    Eigen::Vector3d origin, direction;
+    view.ray(ray, origin, direction);
+    const Eigen::Vector3d met = origin + static_cast<double>(seen.expected_distance(ray)) * direction;
+    for (const ActorBox& box : boxes) {
+      if (box.holds(met)) rows.actor[ray] = box.actor;
     }
   });
   widen_actors(rows, view.sensor().is_camera() ? kCameraEdge_px : kLidarEdge);

@@ -151,14 +151,12 @@ void register_track(Actor& actor, const std::vector<ActorReturn>& returns, const
     Interruption::ask();
     std::vector<Pose> keys;
     for (const KeyPose& key : track) keys.push_back(key.corrected());
-    parallel_ranges(
+    parallel_each(
         returns.size(),
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end; ++i) {
-            const auto& [key, share] = between[i];
-            world_from_actor[i] = interpolate(keys[key], keys[key + 1], share);
-            p_actor[i] = world_from_actor[i].inverse() * returns[i].p_world;
-          }
+        [&](std::size_t i) {
+          const auto& [key, share] = between[i];
+          world_from_actor[i] = interpolate(keys[key], keys[key + 1], share);
+          p_actor[i] = world_from_actor[i].inverse() * returns[i].p_world;
         },
         kReturnsOfPart);
     std::map<Cell, Surface> surfaces;
@@ -203,13 +201,11 @@ void register_track(Actor& actor, const std::vector<ActorReturn>& returns, const
     // Sums of parts of one size, in their order: the same for any number of cores.
     const std::size_t parts = (returns.size() + kReturnsOfPart - 1) / kReturnsOfPart;
     std::vector<std::map<std::size_t, KeySums>> of_parts(parts);
-    parallel_ranges(
+    parallel_each(
         parts,
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t part = begin; part < end; ++part) {
-            const std::size_t last = std::min((part + 1) * kReturnsOfPart, returns.size());
-            for (std::size_t i = part * kReturnsOfPart; i < last; ++i) add(i, of_parts[part][between[i].key]);
-          }
+        [&](std::size_t part) {
+          const std::size_t last = std::min((part + 1) * kReturnsOfPart, returns.size());
+          for (std::size_t i = part * kReturnsOfPart; i < last; ++i) add(i, of_parts[part][between[i].key]);
         },
         1);
     Equations equations(track.size());

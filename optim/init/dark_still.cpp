@@ -36,9 +36,7 @@ Cell cell_of(const Eigen::Vector3d& p, double cells_per_m) {
 
 /// 21 bits an axis.
 Key key_of(const Cell& cell) {
-  const auto bits = [](std::int64_t at) {
-    return static_cast<Key>(at + kMiddle) & 0x1fffffU;
-  };
+  const auto bits = [](std::int64_t at) { return static_cast<Key>(at + kMiddle) & 0x1fffffU; };
   return bits(cell.x()) << 42U | bits(cell.y()) << 21U | bits(cell.z());
 }
 
@@ -58,12 +56,10 @@ double way_out_m(const Eigen::Vector3d& p, const Eigen::Vector3d& d, double side
 template <class Visit>
 void each_ray(const PosedSweep& posed, const Visit& visit) {
   const Sweep& sweep = posed.sweep;
-  parallel_ranges(sweep.range.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (is_blind(posed.lidar, sweep.rays, i)) continue;
-      const auto [origin, direction] = ray_in_scene(posed, i);
-      visit(i, origin, direction, static_cast<double>(sweep.range[i]));
-    }
+  parallel_each(sweep.range.size(), [&](std::size_t i) {
+    if (is_blind(posed.lidar, sweep.rays, i)) return;
+    const auto [origin, direction] = ray_in_scene(posed, i);
+    visit(i, origin, direction, static_cast<double>(sweep.range[i]));
   });
 }
 

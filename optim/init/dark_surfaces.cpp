@@ -89,9 +89,7 @@ void DarkSurfaces::add(const PosedSweep& posed, double time_start_s, double time
   const Sweep& sweep = posed.sweep;
   const double duration_s = time_end_s - time_start_s;
   std::vector<SceneRay> rays(sweep.range.size());
-  parallel_ranges(rays.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) rays[i] = ray_in_scene(posed, i);
-  });
+  parallel_each(rays.size(), [&](std::size_t i) { rays[i] = ray_in_scene(posed, i); });
   const auto add_to = [&](std::size_t a) {
     if (!actors_[a].is_there(time_start_s) && !actors_[a].is_there(time_end_s)) return;
     const Pose start = scene_from_actor(actors_[a], time_start_s, scene_origin_),
@@ -107,12 +105,8 @@ void DarkSurfaces::add(const PosedSweep& posed, double time_start_s, double time
       add_ray(a, scene_from_actor(actors_[a], time_s, scene_origin_), origin, direction, sweep.range[i]);
     }
   };
-  parallel_ranges(
-      actors_.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t a = begin; a < end; ++a) add_to(a);
-      },
-      1);
+  parallel_each(
+      actors_.size(), [&](std::size_t a) { add_to(a); }, 1);
 }
 
 std::vector<PointSet> DarkSurfaces::points() const {

@@ -155,12 +155,8 @@ void ActorPoints::finish(VoxelGrid& background) {
     return ground_m ? r.p_scene.z() - *ground_m < kGround_m : above_bottom_m < kRoad_m;
   };
   std::vector<std::uint8_t> of_road(returns_.size());
-  parallel_ranges(
-      returns_.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) of_road[i] = is_road(returns_[i]) ? 1 : 0;
-      },
-      1024);
+  parallel_each(
+      returns_.size(), [&](std::size_t i) { of_road[i] = is_road(returns_[i]) ? 1 : 0; }, 1024);
   std::vector<Return> kept;
   std::vector<std::vector<ActorReturn>> by_actor(actors_.size());
   for (std::size_t i = 0; i < returns_.size(); ++i) {
@@ -229,13 +225,12 @@ PointSet ActorPoints::placed(const PointSet& background, double time_s, const Im
     return in.first > 0.0 && in.first < in.last && in.last < 1.0;
   };
   PointSet out = background;
-  parallel_ranges(background.size(), [&](std::size_t begin, std::size_t end) {
-    for (auto k = static_cast<Eigen::Index>(begin); k < static_cast<Eigen::Index>(end); ++k) {
-      const Eigen::Vector3f point = background.position.col(k);
-      const bool hidden = std::any_of(
-          all_before.begin(), all_before.end(), [&](const Before& before) { return hides(before, point); });
-      if (hidden) out.position.col(k).setConstant(kNowhere);
-    }
+  parallel_each(background.size(), [&](std::size_t i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    const Eigen::Vector3f point = background.position.col(k);
+    const bool hidden = std::any_of(
+        all_before.begin(), all_before.end(), [&](const Before& before) { return hides(before, point); });
+    if (hidden) out.position.col(k).setConstant(kNowhere);
   });
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     PointSet moved = camera_points_[i];
@@ -274,21 +269,19 @@ void ActorPoints::cover(const ImageView& view, double time_s, Coverage& coverage
     return std::max(in.first, 0.0) <= in.last;
   };
   const auto columns = static_cast<std::size_t>(coverage.columns);
-  constexpr std::size_t kRowsPerThread = 4;
-  parallel_ranges(
-      static_cast<std::size_t>(coverage.rows),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin * columns; i < end * columns; ++i) {
-          const Eigen::Vector2d at(static_cast<double>(i % columns), static_cast<double>(i / columns));
-          Eigen::Vector3d origin, direction;
-          view.unproject((at.array() + 0.5) * static_cast<double>(coverage.cell_px), origin, direction);
-          if (direction.isZero(0.0)) continue;
-          const bool is_met = std::any_of(
-              boxes.begin(), boxes.end(), [&](const Box& box) { return meets(box, origin, direction); });
-          if (is_met) coverage.covered[i] = 1;
-        }
+  constexpr std::size_t kCellsPerThread = 1024;
+  parallel_each(
+      coverage.covered.size(),
+      [&](std::size_t i) {
+        const Eigen::Vector2d at(static_cast<double>(i % columns), static_cast<double>(i / columns));
+        Eigen::Vector3d origin, direction;
+        view.unproject((at.array() + 0.5) * static_cast<double>(coverage.cell_px), origin, direction);
+        if (direction.isZero(0.0)) return;
+        const bool is_met = std::any_of(
+            boxes.begin(), boxes.end(), [&](const Box& box) { return meets(box, origin, direction); });
+        if (is_met) coverage.covered[i] = 1;
       },
-      kRowsPerThread);
+      kCellsPerThread);
 }
 
 std::vector<std::vector<PointLook>> ActorPoints::split(const std::vector<PointLook>& looks,

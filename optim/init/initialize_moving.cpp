@@ -158,26 +158,23 @@ void vote_on_points(const Sweep& sweep,
         interpolate(scene_from_lidar_start, scene_from_lidar_end, (kPoses / 2 + 0.5) / kPoses);
     near = blocks->within(middle.translation, static_cast<double>(kFarthest_m) + kSlack_m);
   }
-  parallel_ranges(blocks != nullptr ? near.size() : points.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::size_t i = blocks != nullptr ? near[k] : k;
-      const Eigen::Vector3f p_scene = points.position.col(static_cast<Eigen::Index>(i));
-      Eigen::Vector3f p_lidar = apply(lidar_from_scene[kPoses / 2], p_scene);
-      const float range_m = p_lidar.norm();
-      if (!(range_m > kNearest_m && range_m < kFarthest_m)) continue;
-      // Where the beam is when it looks at the point depends on when it does, and the other way round.
-      int column = 0;
-      for (int round = 0; round < 2; ++round) {
-        column = std::min(grid.column(std::atan2(p_lidar.y(), p_lidar.x()), 0), grid.columns() - 1);
-        p_lidar =
-            apply(lidar_from_scene[static_cast<std::size_t>(column * kPoses / grid.columns())], p_scene);
-      }
-      const int row = grid.row_below(std::hypot(p_lidar.x(), p_lidar.y()), p_lidar.z());
-      if (row <= 0 || row >= grid.rows()) continue;
-      column = grid.column(std::atan2(p_lidar.y(), p_lidar.x()), row);
-      if (column >= grid.columns()) continue;
-      vote(sweep, grid, p_lidar, row, column, votes[i]);
+  parallel_each(blocks != nullptr ? near.size() : points.size(), [&](std::size_t k) {
+    const std::size_t i = blocks != nullptr ? near[k] : k;
+    const Eigen::Vector3f p_scene = points.position.col(static_cast<Eigen::Index>(i));
+    Eigen::Vector3f p_lidar = apply(lidar_from_scene[kPoses / 2], p_scene);
+    const float range_m = p_lidar.norm();
+    if (!(range_m > kNearest_m && range_m < kFarthest_m)) return;
+    // Where the beam is when it looks at the point depends on when it does, and the other way round.
+    int column = 0;
+    for (int round = 0; round < 2; ++round) {
+      column = std::min(grid.column(std::atan2(p_lidar.y(), p_lidar.x()), 0), grid.columns() - 1);
+      p_lidar = apply(lidar_from_scene[static_cast<std::size_t>(column * kPoses / grid.columns())], p_scene);
     }
+    const int row = grid.row_below(std::hypot(p_lidar.x(), p_lidar.y()), p_lidar.z());
+    if (row <= 0 || row >= grid.rows()) return;
+    column = grid.column(std::atan2(p_lidar.y(), p_lidar.x()), row);
+    if (column >= grid.columns()) return;
+    vote(sweep, grid, p_lidar, row, column, votes[i]);
   });
 }
 

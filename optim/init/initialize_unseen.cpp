@@ -139,10 +139,8 @@ UnseenSurfaces unseen_surfaces(const PointSet& points,
 
   const MovedViews moved(views, options.off_path_m);
   std::vector<std::uint8_t> shown(unseen.size());
-  parallel_ranges(unseen.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      shown[k] = moved.show(points.position.col(unseen[k]).cast<double>()) ? 1 : 0;
-    }
+  parallel_each(unseen.size(), [&](std::size_t k) {
+    shown[k] = moved.show(points.position.col(unseen[k]).cast<double>()) ? 1 : 0;
   });
   std::vector<std::uint32_t> kept;
   for (std::size_t k = 0; k < unseen.size(); ++k) {
@@ -170,13 +168,11 @@ UnseenSurfaces unseen_surfaces(const PointSet& points,
   }
   const LikenessTree tree(kLikeness, known, 16);
   out.colours.resize(out.cells.size());
-  parallel_ranges(out.cells.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const SurfaceCell& cell = out.cells[k];
-      const SurfaceShape& shape = out.shapes[k];
-      out.colours[k] = colour_alike(
-          likeness(cell.mean, cell.intensity, shape.planar, shape.scene_from_local), tree, colours);
-    }
+  parallel_each(out.cells.size(), [&](std::size_t k) {
+    const SurfaceCell& cell = out.cells[k];
+    const SurfaceShape& shape = out.shapes[k];
+    out.colours[k] = colour_alike(
+        likeness(cell.mean, cell.intensity, shape.planar, shape.scene_from_local), tree, colours);
   });
   return out;
 }

@@ -22,13 +22,11 @@ constexpr std::size_t kRowsPerThread = 4;  // of cells
 std::vector<SeenPoint> seen_points(const ImageView& view, const PointSet& points) {
   constexpr float kUnseen = -1.0F;
   std::vector<SeenPoint> all(points.size());
-  parallel_ranges(points.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Eigen::Vector3d p_scene = points.position.col(static_cast<Eigen::Index>(i)).cast<double>();
-      SeenPoint& seen = all[i];
-      seen.index = static_cast<std::uint32_t>(i);
-      if (!view.project(p_scene, seen.pixel, seen.range_m)) seen.range_m = kUnseen;
-    }
+  parallel_each(points.size(), [&](std::size_t i) {
+    const Eigen::Vector3d p_scene = points.position.col(static_cast<Eigen::Index>(i)).cast<double>();
+    SeenPoint& seen = all[i];
+    seen.index = static_cast<std::uint32_t>(i);
+    if (!view.project(p_scene, seen.pixel, seen.range_m)) seen.range_m = kUnseen;
   });
   std::erase_if(all, [](const SeenPoint& seen) { return seen.range_m == kUnseen; });
   return all;
@@ -217,20 +215,18 @@ Coverage look_at_points(const ImageView& view,
     nearest.add(s.pixel, s.range_m, radius_px);
   }
   // ... then the colour of every point that nothing nearer hides.
-  parallel_ranges(seen.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const SeenPoint& s = seen[i];
-      PointLook& look = looks[s.index];
-      if (nearest.hide(s.pixel, s.range_m)) continue;
-      const Eigen::Vector3f colour = sample_bilinear(image, s.pixel);
-      ++look.images;
-      look.colours.extend(colour);
-      const auto range_m = static_cast<float>(s.range_m);
-      if (!(range_m < look.range_m)) continue;
-      look.range_m = range_m;
-      look.footprint_m = static_cast<float>(s.range_m * view.pixel_size_at_1m());
-      look.colour = colour;
-    }
+  parallel_each(seen.size(), [&](std::size_t i) {
+    const SeenPoint& s = seen[i];
+    PointLook& look = looks[s.index];
+    if (nearest.hide(s.pixel, s.range_m)) return;
+    const Eigen::Vector3f colour = sample_bilinear(image, s.pixel);
+    ++look.images;
+    look.colours.extend(colour);
+    const auto range_m = static_cast<float>(s.range_m);
+    if (!(range_m < look.range_m)) return;
+    look.range_m = range_m;
+    look.footprint_m = static_cast<float>(s.range_m * view.pixel_size_at_1m());
+    look.colour = colour;
   });
   return coverage;
 }

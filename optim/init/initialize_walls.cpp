@@ -212,25 +212,23 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
       nearest.add(seen.pixel, seen.range_m, 0.5 * voxel_m / (view.pixel_size_at_1m() * seen.range_m));
     }
     const Eigen::Vector3d eye = view.origin();
-    parallel_ranges(
+    parallel_each(
         columns.size(),
-        [&, &image = image, &view = view](std::size_t begin, std::size_t end) {
-          for (std::size_t k = begin; k < end; ++k) {
-            const Eigen::Vector2d way = columns[k].place_m - eye.head<2>();
-            const double away_m = way.norm();
-            if (!(away_m > 1.0 && away_m < kFarthestLook_m)) continue;
-            const double cosine = std::abs(way.dot(columns[k].normal)) / away_m;
-            if (!(away_m * view.pixel_size_at_1m() < kWidest_m * cosine)) continue;
-            for (std::size_t s = 0; s < steps; ++s) {
-              Eigen::Vector2d pixel;
-              double range_m = 0.0;
-              if (!view.project(place(k, s), pixel, range_m) || nearest.hide(pixel, range_m)) continue;
-              WallLooks& look = looks[k * steps + s];
-              if (nearest.are_seen_through(pixel, range_m)) {
-                look.refute();
-              } else {
-                look.add(static_cast<float>(range_m), sample_bilinear(image, pixel));
-              }
+        [&, &image = image, &view = view](std::size_t k) {
+          const Eigen::Vector2d way = columns[k].place_m - eye.head<2>();
+          const double away_m = way.norm();
+          if (!(away_m > 1.0 && away_m < kFarthestLook_m)) return;
+          const double cosine = std::abs(way.dot(columns[k].normal)) / away_m;
+          if (!(away_m * view.pixel_size_at_1m() < kWidest_m * cosine)) return;
+          for (std::size_t s = 0; s < steps; ++s) {
+            Eigen::Vector2d pixel;
+            double range_m = 0.0;
+            if (!view.project(place(k, s), pixel, range_m) || nearest.hide(pixel, range_m)) continue;
+            WallLooks& look = looks[k * steps + s];
+            if (nearest.are_seen_through(pixel, range_m)) {
+              look.refute();
+            } else {
+              look.add(static_cast<float>(range_m), sample_bilinear(image, pixel));
             }
           }
         },

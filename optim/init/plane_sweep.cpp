@@ -336,14 +336,12 @@ std::vector<float> with_neighbours(const Asked& asked, const std::vector<float>&
   constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {0, 1}, {1, 1}, {-1, 1}}};
   std::array<std::vector<float>, 2> sums;  // of paths that come that way, and the other way
   constexpr std::size_t kEach = 1;
-  parallel_ranges(
+  parallel_each(
       sums.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-          sums[k].resize(costs.size());
-          const int sign = k == 0 ? 1 : -1;
-          for (const auto& [dx, dy] : kSides) add_paths(asked, costs, sign * dx, sign * dy, sums[k]);
-        }
+      [&](std::size_t k) {
+        sums[k].resize(costs.size());
+        const int sign = k == 0 ? 1 : -1;
+        for (const auto& [dx, dy] : kSides) add_paths(asked, costs, sign * dx, sign * dy, sums[k]);
       },
       kEach);
   for (std::size_t i = 0; i < costs.size(); ++i) {

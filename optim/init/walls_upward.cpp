@@ -104,14 +104,12 @@ void WallsUpward::look_through(const PosedSweep& posed) {
   if (lidar == nullptr || posed.sweep.range.size() != lidar->ray_count()) return;
   is_asked_ = true;
   const PassingRays rays(posed, *lidar);
-  parallel_ranges(
+  parallel_each(
       columns_.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-          for (std::size_t s = 0; s < steps_; ++s) {
-            std::uint8_t& is_open = is_open_[k * steps_ + s];
-            if (is_open == 0 && rays.go_on_at(place(k, s))) is_open = 1;
-          }
+      [&](std::size_t k) {
+        for (std::size_t s = 0; s < steps_; ++s) {
+          std::uint8_t& is_open = is_open_[k * steps_ + s];
+          if (is_open == 0 && rays.go_on_at(place(k, s))) is_open = 1;
         }
       },
       64);

@@ -145,11 +145,9 @@ std::vector<RangeBias> find_range_bias(const Log& log, const LogLidar& lidar, co
     const CloudView cloud{points};
     PointTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
     tree.buildIndex();
-    parallel_ranges(equations.size(), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const Hit& hit = hits[i * kSampleStep];
-        equations[i] = equation_of(points, tree, hit, biases[hit.row].bias_m);
-      }
+    parallel_each(equations.size(), [&](std::size_t i) {
+      const Hit& hit = hits[i * kSampleStep];
+      equations[i] = equation_of(points, tree, hit, biases[hit.row].bias_m);
     });
     std::vector<std::array<Sums, kGroups>> sums(rows);
     for (std::size_t i = 0; i < equations.size(); ++i) {

@@ -173,19 +173,16 @@ std::vector<LocalShape> local_shapes(const PointSet& points) {
   const CloudView cloud{points};
   PointTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   tree.buildIndex();
-  parallel_ranges(points.size(), [&](std::size_t begin, std::size_t end) {
+  parallel_each(points.size(), [&](std::size_t i) {
     std::array<std::uint32_t, kPlaneNeighbours + 1> indices{};  // the point itself comes first
     std::array<float, kPlaneNeighbours + 1> distance2{};
-    for (std::size_t i = begin; i < end; ++i) {
-      const float* query = points.position.col(static_cast<Eigen::Index>(i)).data();
-      const std::size_t found = tree.knnSearch(query, indices.size(), indices.data(), distance2.data());
-      const std::size_t near = std::min(found - 1, kSpacingNeighbours);
-      float sum = 0.0F;
-      for (std::size_t k = 1; k <= near; ++k) sum += std::sqrt(distance2[k]);
-      shapes[i].spacing_m =
-          near > 0 ? sum / static_cast<float>(near) : std::numeric_limits<float>::infinity();
-      fit_plane(points, indices.data(), found, shapes[i]);
-    }
+    const float* query = points.position.col(static_cast<Eigen::Index>(i)).data();
+    const std::size_t found = tree.knnSearch(query, indices.size(), indices.data(), distance2.data());
+    const std::size_t near = std::min(found - 1, kSpacingNeighbours);
+    float sum = 0.0F;
+    for (std::size_t k = 1; k <= near; ++k) sum += std::sqrt(distance2[k]);
+    shapes[i].spacing_m = near > 0 ? sum / static_cast<float>(near) : std::numeric_limits<float>::infinity();
+    fit_plane(points, indices.data(), found, shapes[i]);
   });
   return shapes;
 }

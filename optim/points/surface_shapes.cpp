@@ -247,9 +247,7 @@ std::vector<SurfaceShape> surface_shapes(const PointSet& points,
   std::vector<SurfaceShape> out(cells.size());
   if (cells.empty()) return out;
   const Shaper shaper(points, cells, options);
-  parallel_ranges(cells.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) out[i] = shaper.shape(i);
-  });
+  parallel_each(cells.size(), [&](std::size_t i) { out[i] = shaper.shape(i); });
   return out;
 }
 

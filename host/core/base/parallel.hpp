@@ -50,4 +50,13 @@ void parallel_ranges(std::size_t count, const F& f, std::size_t smallest = 4096)
   }
 }
 
+/// The same with f(index).
+template <class F>
+void parallel_each(std::size_t count, const F& f, std::size_t smallest = 4096) {
+  const auto range = [&f](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) f(i);
+  };
+  parallel_ranges(count, range, smallest);
+}
+
 }  // namespace simuli

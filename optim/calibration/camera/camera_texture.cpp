@@ -72,12 +72,8 @@ class TextureProblem {
   /// Pieces in sight under a mounting on which intensity and luminance agree.
   [[nodiscard]] std::vector<Piece> find_pieces(const Mounting& mounting) const {
     std::vector<std::vector<Piece>> of_view(views_.size());
-    parallel_ranges(
-        views_.size(),
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t v = begin; v < end; ++v) of_view[v] = pieces_of(v, mounting);
-        },
-        1);
+    parallel_each(
+        views_.size(), [&](std::size_t v) { of_view[v] = pieces_of(v, mounting); }, 1);
     std::vector<Piece> out;
     for (std::vector<Piece>& pieces : of_view) {
       std::move(pieces.begin(), pieces.end(), std::back_inserter(out));
@@ -94,12 +90,8 @@ class TextureProblem {
     std::vector<PlacedView> placed;
     for (const CameraView& view : views_) placed.emplace_back(view, path_, mounting);
     std::vector<Verdict> out(pieces.size());
-    parallel_ranges(
-        pieces.size(),
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end; ++i) out[i] = ask(pieces[i], placed[pieces[i].view]);
-        },
-        16);
+    parallel_each(
+        pieces.size(), [&](std::size_t i) { out[i] = ask(pieces[i], placed[pieces[i].view]); }, 16);
     return out;
   }
 

@@ -81,12 +81,9 @@ std::vector<Match> EdgeMatcher::find(const MountingState& state, double reach_px
     const auto [first, last] = ranges_[v];
     const std::size_t before = matches.size();
     matches.resize(before + last - first);
-    parallel_ranges(
+    parallel_each(
         last - first,
-        [&, from = first](std::size_t begin, std::size_t end) {
-          for (std::size_t i = begin; i < end; ++i)
-            matches[before + i] = find_one(v, from + i, state, reach_px);
-        },
+        [&, from = first](std::size_t i) { matches[before + i] = find_one(v, from + i, state, reach_px); },
         256);
   }
   const auto found = static_cast<std::size_t>(

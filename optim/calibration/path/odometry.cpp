@@ -66,14 +66,12 @@ std::vector<Match> match(const Returns& returns,
                          double gate_m) {
   constexpr int kPerPlane = 4;
   std::vector<int> plane_of(returns.size() / stride, -1);
-  parallel_ranges(plane_of.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vector3d p = at(guess.start, guess.end, returns.time_s[i * stride]) * returns.p_rig[i * stride];
-      const int found = map.find(p);
-      if (found < 0) continue;
-      const Plane& plane = map.plane(found);
-      if (std::abs(plane.normal.dot(p - plane.centre)) <= gate_m) plane_of[i] = found;
-    }
+  parallel_each(plane_of.size(), [&](std::size_t i) {
+    const Vector3d p = at(guess.start, guess.end, returns.time_s[i * stride]) * returns.p_rig[i * stride];
+    const int found = map.find(p);
+    if (found < 0) return;
+    const Plane& plane = map.plane(found);
+    if (std::abs(plane.normal.dot(p - plane.centre)) <= gate_m) plane_of[i] = found;
   });
   std::unordered_map<int, int> taken;
   std::vector<Match> matches;
@@ -160,10 +158,8 @@ Registration register_sweep(const Returns& returns,
 void add_to_map(
     const Returns& returns, std::size_t stride, const TimedPose& start, const TimedPose& end, PlaneMap& map) {
   std::vector<Vector3d> p_world(returns.size() / stride);
-  parallel_ranges(p_world.size(), [&](std::size_t begin, std::size_t last) {
-    for (std::size_t i = begin; i < last; ++i) {
-      p_world[i] = at(start, end, returns.time_s[i * stride]) * returns.p_rig[i * stride];
-    }
+  parallel_each(p_world.size(), [&](std::size_t i) {
+    p_world[i] = at(start, end, returns.time_s[i * stride]) * returns.p_rig[i * stride];
   });
   for (const Vector3d& p : p_world) map.add(p);
   map.update();

@@ -19,10 +19,8 @@ Fit fit_of(const std::vector<Returns>& sweeps, const std::vector<TimedPose>& pat
   std::vector<std::vector<Vector3d>> p_world(sweeps.size());
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     p_world[s].resize(sweeps[s].size());
-    parallel_ranges(sweeps[s].size(), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        p_world[s][i] = world_point(path, sweeps[s].p_rig[i], sweeps[s].time_s[i]);
-      }
+    parallel_each(sweeps[s].size(), [&](std::size_t i) {
+      p_world[s][i] = world_point(path, sweeps[s].p_rig[i], sweeps[s].time_s[i]);
     });
     Interruption::ask();
     for (const Vector3d& p : p_world[s]) map.add(p);

@@ -63,12 +63,8 @@ void PlaneMap::fit(Cell& cell) {
 }
 
 void PlaneMap::update() {
-  parallel_ranges(
-      stale_.size(),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) fit(cells_[stale_[i]]);
-      },
-      512);
+  parallel_each(
+      stale_.size(), [&](std::size_t i) { fit(cells_[stale_[i]]); }, 512);
   stale_.clear();
 }
 

@@ -176,13 +176,11 @@ class Builder {
   void add(const std::vector<Family>& families, const std::vector<Eigen::Index>& members) {
     const Eigen::Index first = particles_.size();
     particles_.add(static_cast<Eigen::Index>(families.size()));
-    parallel_ranges(
+    parallel_each(
         families.size(),
-        [&](std::size_t begin, std::size_t end) {
-          for (std::size_t k = begin; k < end; ++k) {
-            const std::span whole(members.data() + families[k].begin, members.data() + families[k].end);
-            particles_.column(first + static_cast<Eigen::Index>(k)) = merged(particles_, whole);
-          }
+        [&](std::size_t k) {
+          const std::span whole(members.data() + families[k].begin, members.data() + families[k].end);
+          particles_.column(first + static_cast<Eigen::Index>(k)) = merged(particles_, whole);
         },
         256);
     for (std::size_t k = 0; k < families.size(); ++k) {

@@ -111,12 +111,10 @@ Image normals(const Frame& frame) {
   const Surface surface(frame);
   Image out(frame.sensor().camera().width, frame.sensor().camera().height, 3);
   const auto width = static_cast<std::size_t>(out.width);
-  parallel_ranges(width * static_cast<std::size_t>(out.height), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto x = static_cast<int>(i % width), y = static_cast<int>(i / width);
-      const Eigen::Vector3f n = surface.normal(x, y);
-      for (int c = 0; c < 3; ++c) out.at(x, y, c) = n[c];
-    }
+  parallel_each(width * static_cast<std::size_t>(out.height), [&](std::size_t i) {
+    const auto x = static_cast<int>(i % width), y = static_cast<int>(i / width);
+    const Eigen::Vector3f n = surface.normal(x, y);
+    for (int c = 0; c < 3; ++c) out.at(x, y, c) = n[c];
   });
   return out;
 }

@@ -49,43 +49,38 @@ Flow flow_of(const Frame& frame, const Scene& scene, const Shot& to) {
   const std::size_t slots = grid.frame.slots;
   Flow out{Image(camera.width, camera.height, 3), Image(camera.width, camera.height, 3)};
   const auto width = static_cast<std::size_t>(camera.width);
-  parallel_ranges(slots, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t slot = begin; slot < end; ++slot) {
-      if (grid.ray_of_slot[slot] < 0) continue;
-      const auto ray = static_cast<std::size_t>(grid.ray_of_slot[slot]);
-      const auto at = [&](std::size_t row) {
-        return static_cast<double>(grid.sensor_ray[row * slots + slot]);
-      };
-      const double share = at(6);
-      const bool is_sky = !(distances[ray] > 0.0F);
-      const Vector3d p_camera =
-          (is_sky ? kSky_m : static_cast<double>(distances[ray])) * Vector3d(at(0), at(1), at(2));
-      Vector3d moved;
-      std::optional<OwnTimeImage> image;
-      const auto see = [&](const auto& p_then) { image = image_at_own_time(camera, p_then); };
-      const std::size_t actor = actors[ray] - 1;  // of none it is no place
-      if (actors[ray] != 0 && then.view().actors[actor].is_there) {
-        const Vector3d rest =
-            at_rest(now.view().actors[actor], share, now.actor_from_sensor(actor, share) * p_camera);
-        see([&](double s) {
-          moved = then.actor_from_sensor(actor, s).inverse() * deformed(then.view().actors[actor], s, rest);
-          return moved;
-        });
-      } else if (actors[ray] == 0) {
-        const Vector3d p_world = frame.shot().pose_at(share) * p_camera;
-        see([&](double s) {
-          moved = to.pose_at(s).inverse() * p_world;
-          return moved;
-        });
-      }
-      if (!image) continue;
-      const auto x = static_cast<int>(ray % width), y = static_cast<int>(ray / width);
-      out.pixels.at(x, y, 0) = static_cast<float>(image->pixel.x() - (x + 0.5));
-      out.pixels.at(x, y, 1) = static_cast<float>(image->pixel.y() - (y + 0.5));
-      out.pixels.at(x, y, 2) = 1.0F;
-      for (int k = 0; k < 3 && !is_sky; ++k)
-        out.points.at(x, y, k) = static_cast<float>((moved - p_camera)[k]);
+  parallel_each(slots, [&](std::size_t slot) {
+    if (grid.ray_of_slot[slot] < 0) return;
+    const auto ray = static_cast<std::size_t>(grid.ray_of_slot[slot]);
+    const auto at = [&](std::size_t row) { return static_cast<double>(grid.sensor_ray[row * slots + slot]); };
+    const double share = at(6);
+    const bool is_sky = !(distances[ray] > 0.0F);
+    const Vector3d p_camera =
+        (is_sky ? kSky_m : static_cast<double>(distances[ray])) * Vector3d(at(0), at(1), at(2));
+    Vector3d moved;
+    std::optional<OwnTimeImage> image;
+    const auto see = [&](const auto& p_then) { image = image_at_own_time(camera, p_then); };
+    const std::size_t actor = actors[ray] - 1;  // of none it is no place
+    if (actors[ray] != 0 && then.view().actors[actor].is_there) {
+      const Vector3d rest =
+          at_rest(now.view().actors[actor], share, now.actor_from_sensor(actor, share) * p_camera);
+      see([&](double s) {
+        moved = then.actor_from_sensor(actor, s).inverse() * deformed(then.view().actors[actor], s, rest);
+        return moved;
+      });
+    } else if (actors[ray] == 0) {
+      const Vector3d p_world = frame.shot().pose_at(share) * p_camera;
+      see([&](double s) {
+        moved = to.pose_at(s).inverse() * p_world;
+        return moved;
+      });
     }
+    if (!image) return;
+    const auto x = static_cast<int>(ray % width), y = static_cast<int>(ray / width);
+    out.pixels.at(x, y, 0) = static_cast<float>(image->pixel.x() - (x + 0.5));
+    out.pixels.at(x, y, 1) = static_cast<float>(image->pixel.y() - (y + 0.5));
+    out.pixels.at(x, y, 2) = 1.0F;
+    for (int k = 0; k < 3 && !is_sky; ++k) out.points.at(x, y, k) = static_cast<float>((moved - p_camera)[k]);
   });
   return out;
 }
