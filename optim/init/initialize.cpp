@@ -371,8 +371,9 @@ void Initialisation::take_colours() {
               own.end(),
               looks_.begin() + static_cast<std::ptrdiff_t>(points_.size()));
     actors_->cover(view, middle_s(*frame), coverage);
-    if (options_.max_shell > 0) shell_->add(view, image, coverage);
-    if (has_environment) sky_->add(view, image, coverage);
+    const std::vector<FarLook> looks = far_looks(view, image, coverage);
+    if (options_.max_shell > 0) shell_->add(looks);
+    if (has_environment) sky_->add(looks);
     step();
   }
   report_.images = images_.size();

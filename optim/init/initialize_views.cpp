@@ -15,7 +15,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kRowsPerThread = 4;  // of cells
+constexpr std::size_t kCellsPerThread = 1024;
 
 }  // namespace
 
@@ -293,91 +293,76 @@ FarShell::FarShell(double spacing_deg, double distance_m)
   if (!(distance_m > 0.0 && std::isfinite(distance_m))) {
     throw Error(ErrorKind::kUsage, fmt::format("shell distance: found {} m, allowed above 0", distance_m));
   }
-}
-
-void FarShell::add(const ImageView& view, const Image& image, const Coverage& coverage) {
-  enum class Kind : std::uint8_t { kNone, kOpen, kHidden };
-  struct Look {
-    Kind kind = Kind::kNone;
-    Meeting met;
-    Eigen::Vector3f colour = Eigen::Vector3f::Zero();
-  };
-  std::vector<Look> looks(coverage.covered.size());
-  const auto columns = static_cast<std::size_t>(coverage.columns);
-  parallel_ranges(
-      static_cast<std::size_t>(coverage.rows),
-      [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin * columns; i < end * columns; ++i) {
-          const auto row = static_cast<int>(i / columns), column = static_cast<int>(i % columns);
-          // The last row and column of cells may be cut off by the picture's edge.
-          const Eigen::Vector2d pixel{std::min((column + 0.5) * coverage.cell_px, image.width - 0.5),
-                                      std::min((row + 0.5) * coverage.cell_px, image.height - 0.5)};
-          Eigen::Vector3d origin, direction;
-          view.unproject(pixel, origin, direction);
-          if (direction.isZero(0.0) || view.hides(pixel)) continue;
-          const bool is_open = coverage.is_empty_around(column, row);
-          looks[i].kind = is_open ? Kind::kOpen : Kind::kHidden;
-          looks[i].met = meeting(origin, direction);
-          if (is_open) looks[i].colour = sample_bilinear(image, pixel);
-        }
-      },
-      kRowsPerThread);
-  // In their order: sums are rounded.
-  for (const Look& look : looks) {
-    if (look.kind != Kind::kNone) count(look.met, look.kind == Kind::kOpen ? &look.colour : nullptr);
+  // Near the poles there are fewer.
+  for (double ring = 0.0; ring * spacing_rad_ <= std::numbers::pi; ring += 1.0) {
+    const double elevation = (ring + 0.5) * spacing_rad_ - std::numbers::pi / 2.0;
+    const double width = 2.0 * std::numbers::pi * std::max(std::cos(elevation), 0.0);
+    cells_of_ring_.push_back(std::max(std::floor(width / spacing_rad_), 1.0));
   }
 }
 
-void FarShell::add(const Eigen::Vector3d& origin,
-                   const Eigen::Vector3d& direction,
-                   const Eigen::Vector3f& colour) {
-  count(meeting(origin, direction), &colour);
+std::vector<FarLook> far_looks(const ImageView& view, const Image& image, const Coverage& coverage) {
+  const std::size_t count = coverage.covered.size(), columns = static_cast<std::size_t>(coverage.columns);
+  std::vector<std::optional<FarLook>> of_cell(count);
+  parallel_each(
+      count,
+      [&](std::size_t i) {
+        const auto row = static_cast<int>(i / columns), column = static_cast<int>(i % columns);
+        // The last row and column of cells may be cut off by the picture's edge.
+        const Eigen::Vector2d pixel{std::min((column + 0.5) * coverage.cell_px, image.width - 0.5),
+                                    std::min((row + 0.5) * coverage.cell_px, image.height - 0.5)};
+        FarLook look;
+        view.unproject(pixel, look.origin, look.direction);
+        if (look.direction.isZero(0.0) || view.hides(pixel)) return;
+        if (coverage.is_empty_around(column, row)) look.colour = sample_bilinear(image, pixel);
+        of_cell[i] = look;
+      },
+      kCellsPerThread);
+  std::vector<FarLook> out;
+  for (const std::optional<FarLook>& look : of_cell) {
+    if (look) out.push_back(*look);
+  }
+  return out;
 }
 
-void FarShell::add_hidden(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
-  count(meeting(origin, direction), nullptr);
-}
-
-void FarShell::count(const Meeting& met, const Eigen::Vector3f* colour) {
-  if (met.outside_m > 0.0) {
+void FarShell::add(const std::vector<FarLook>& looks) {
+  for (const FarLook& look : looks) {
+    if (look.origin.norm() < distance_m_) continue;
     throw Error(
         ErrorKind::kInput,
         fmt::format("far shell: found a camera {:.3g} m from the middle of the path, allowed less than "
                     "{:.3g} m: are its mounting and the path right?",
-                    met.outside_m,
+                    look.origin.norm(),
                     distance_m_));
   }
-  Cell& cell = cells_[met.cell];
-  if (colour == nullptr) {
-    cell.hidden += 1.0;
-    return;
+  std::vector<Meeting> met(looks.size());
+  parallel_each(
+      looks.size(), [&](std::size_t i) { met[i] = meeting(looks[i]); }, kCellsPerThread);
+  // In their order: sums are rounded.
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    Cell& cell = cells_[met[i].cell];
+    if (!looks[i].colour) {
+      cell.hidden += 1.0;
+      continue;
+    }
+    cell.direction += met[i].from_origin;
+    cell.colour += looks[i].colour->cast<double>();
+    cell.open += 1.0;
   }
-  cell.direction += met.from_origin;
-  cell.colour += colour->cast<double>();
-  cell.open += 1.0;
 }
 
-FarShell::Meeting FarShell::meeting(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const {
+FarShell::Meeting FarShell::meeting(const FarLook& look) const {
   // Where the ray leaves the sphere: |origin + t direction| = distance.
-  const double b = origin.dot(direction);
-  const double c = origin.squaredNorm() - distance_m_ * distance_m_;
-  if (!(c < 0.0)) {
-    Meeting none;
-    none.outside_m = origin.norm();
-    return none;
-  }
+  const double b = look.origin.dot(look.direction);
+  const double c = look.origin.squaredNorm() - distance_m_ * distance_m_;
   const double t = -b + std::sqrt(b * b - c);
-  const Eigen::Vector3d from_origin = ((origin + t * direction) / distance_m_).normalized();
-
-  // Rings of equal elevation, cut into cells of about equal width: near the poles there are fewer.
+  const Eigen::Vector3d from_origin = ((look.origin + t * look.direction) / distance_m_).normalized();
   const double elevation = std::atan2(from_origin.z(), std::hypot(from_origin.x(), from_origin.y()));
   const double azimuth = std::atan2(from_origin.y(), from_origin.x()) + std::numbers::pi;  // [0, 2 pi]
-  const double ring = std::floor((elevation + std::numbers::pi / 2.0) / spacing_rad_);
-  const double ring_elevation = (ring + 0.5) * spacing_rad_ - std::numbers::pi / 2.0;
-  const double width = 2.0 * std::numbers::pi * std::max(std::cos(ring_elevation), 0.0);
-  const double cells = std::max(std::floor(width / spacing_rad_), 1.0);
+  const auto ring = static_cast<std::size_t>((elevation + std::numbers::pi / 2.0) / spacing_rad_);
+  const double cells = cells_of_ring_[std::min(ring, cells_of_ring_.size() - 1)];
   const double cell = std::min(std::floor(azimuth / (2.0 * std::numbers::pi) * cells), cells - 1.0);
-  return {from_origin, static_cast<std::uint64_t>(ring) << 32U | static_cast<std::uint64_t>(cell)};
+  return {from_origin, std::uint64_t{ring} << 32U | static_cast<std::uint64_t>(cell)};
 }
 
 std::vector<FarShell::Patch> FarShell::patches(double open_share) const {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -175,18 +176,26 @@ class PointBlocks {
   std::vector<Block> blocks_;
 };
 
+/// A look at a picture's pixel where points may hide what is behind them.
+struct FarLook {
+  Eigen::Vector3d origin, direction;      // in the scene
+  std::optional<Eigen::Vector3f> colour;  // none: hidden
+};
+
+/// At the middles of the cells of `coverage` that have a ray there; those that are empty with their neighbours are not
+/// hidden.
+[[nodiscard]] std::vector<FarLook> far_looks(const ImageView& view,
+                                             const Image& image,
+                                             const Coverage& coverage);
+
 /// Directions in which images see something that no point explains: one averaged colour per cell of an equal
 /// angle grid around the scene origin, at one distance.
 class FarShell {
  public:
   /// Throws Error{kUsage} unless 0.05 <= spacing_deg <= 45 and distance_m > 0.
   FarShell(double spacing_deg, double distance_m);
-  /// Adds the colours of all cells of `coverage` that are empty with their neighbours and have a ray at their
-  /// middle, and counts the others as hidden. The camera must stand within the shell.
-  void add(const ImageView& view, const Image& image, const Coverage& coverage);
-  /// One direction: with its colour, or hidden.
-  void add(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, const Eigen::Vector3f& colour);
-  void add_hidden(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction);
+  /// Error{kInput} unless they begin within the shell.
+  void add(const std::vector<FarLook>& looks);
 
   struct Patch {
     Eigen::Vector3f direction;  // unit, from the scene origin
@@ -205,18 +214,16 @@ class FarShell {
     Eigen::Vector3d colour = Eigen::Vector3d::Zero();
     double open = 0.0, hidden = 0.0;  // looks
   };
-  /// The direction from the scene origin of what a ray meets on the shell, and its cell.
+  /// The direction from the scene origin of what a look meets on the shell, and its cell.
   struct Meeting {
     Eigen::Vector3d from_origin = Eigen::Vector3d::Zero();
     std::uint64_t cell = 0;
-    double outside_m = 0.0;  // of the origin from the scene's, where the ray begins outside and meets nothing
   };
-  [[nodiscard]] Meeting meeting(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
-  /// A look in that colour; null: one that was hidden.
-  void count(const Meeting& met, const Eigen::Vector3f* colour);
+  [[nodiscard]] Meeting meeting(const FarLook& look) const;
 
   double spacing_rad_;
   double distance_m_;
+  std::vector<double> cells_of_ring_;  // rings of equal elevation, cut into cells of about equal width
   std::unordered_map<std::uint64_t, Cell> cells_;
 };
 
