@@ -1,6 +1,6 @@
 #include "optim/calibration/camera/camera_texture.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "host/core/base/linear_algebra.hpp"
 #include "host/core/base/parallel.hpp"
 #include "host/core/base/spread.hpp"
 #include "optim/calibration/camera/camera_residual.hpp"
@@ -343,13 +344,13 @@ TextureFit fit_texture(const std::vector<CameraView>& views,
   constexpr double kSettled = 0.05;  // of a standard deviation
   constexpr double kFarthest = 5.0;  // standard deviations, over all unknowns
   const int unknowns = with_time ? 7 : 6;
-  const auto solve = [&](const MountingMatrix& information, const MountingStep& right) {
-    MountingStep out = MountingStep::Zero();
-    out.head(unknowns) = information.topLeftCorner(unknowns, unknowns).ldlt().solve(right.head(unknowns));
+  const auto inverse = [unknowns](const MountingMatrix& of) {
+    MountingMatrix out = MountingMatrix::Zero();
+    out.topLeftCorner(unknowns, unknowns) =
+        pseudo_inverse(Eigen::MatrixXd(of.topLeftCorner(unknowns, unknowns)));
     return out;
   };
-  MountingMatrix believed = MountingMatrix::Zero();
-  believed.topLeftCorner(unknowns, unknowns) = covariance.topLeftCorner(unknowns, unknowns).inverse();
+  const MountingMatrix believed = inverse(covariance);
   TextureFit fit{start, covariance, 0, 0, 0.0, 0.0};
   TextureProblem problem(views, camera, world_from_rig, points, spacing_rad);
   for (std::size_t stage = 0; stage < kBlurs_px.size(); ++stage) {
@@ -367,7 +368,7 @@ TextureFit fit_texture(const std::vector<CameraView>& views,
         slope += verdict.slope;
       }
       if (k == kSteps) break;
-      const MountingStep step = solve(information, -slope);
+      const MountingStep step = -inverse(information) * slope;
       fit.mounting = moved(fit.mounting, step);
       if (step.dot(information * step) < kSettled * kSettled) break;
     }
@@ -383,9 +384,8 @@ TextureFit fit_texture(const std::vector<CameraView>& views,
       return {start, covariance, 0, 0, 0.0, 0.0};
     }
     const MountingMatrix middle = scatter(pieces, verdicts, views.size()) + believed;
-    MountingMatrix inverse = MountingMatrix::Zero();
-    for (int i = 0; i < unknowns; ++i) inverse.col(i) = solve(information, MountingStep::Unit(i));
-    fit.covariance = inverse * middle * inverse.transpose();
+    const MountingMatrix alone = inverse(information);
+    fit.covariance = alone * middle * alone.transpose();
   }
   return fit;
 }
