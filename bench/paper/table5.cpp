@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kEnvironmentWidth = 256;  // texels: 1.4 degrees
 
-class Table {
+class Table5 {
  public:
-  Table(const Device& device, const Drive& drive, const Table5Options& options, Note note)
+  Table5(const Device& device, const Drive& drive, const Table5Options& options, Note note)
       : device_(device), log_(drive.log), note_(std::move(note)) {
     if (options.log.empty()) training_.init.voxel_m = 0.2;
     training_.init.environment_width = kEnvironmentWidth;
@@ -28,8 +28,7 @@ class Table {
   }
 
   void add_unified(double distance_weight) {
-    if (start_.camera.size() == 0)
-      start_ = initialize_scene(log_, training_.frames, training_.init).scene;
+    if (start_.camera.size() == 0) start_ = initialize_scene(log_, training_.frames, training_.init).scene;
     Scene scene = fit_unified(device_, log_, start_, training_, distance_weight);
     add(fmt::format("unified_{}", distance_weight),
         {std::move(scene), log_.cameras, log_.lidars, log_.world_from_rig});
@@ -86,7 +85,7 @@ std::vector<Row> run_table5(const std::string& device_request,
   street.moving_car = false;  // the scene is static
   const Drive drive = options.log.empty() ? Drive{"street", synth_street(street), {"image_scale=1"}}
                                           : open_drive(options.log, scratch.path());
-  Table table(device, drive, options, note);
+  Table5 table(device, drive, options, note);
   for (const double weight : {0.0, 0.001, 0.01, 0.1}) table.add_unified(weight);
   TrainingOptions without_grid = table.options();
   without_grid.train.look.color_grids = ColorGridsOf::kNone;

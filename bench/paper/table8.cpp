@@ -58,13 +58,13 @@ Row middle(const std::string& name, const std::vector<double>& values, const cha
 }
 
 /// The table of one size of particles: trained with each projection, and with one for all.
-class Table {
+class Table8 {
  public:
-  Table(const Device& device,
-        const Device& profiled,
-        const Drive& drive,
-        const Table8Options& options,
-        Note note)
+  Table8(const Device& device,
+         const Device& profiled,
+         const Drive& drive,
+         const Table8Options& options,
+         Note note)
       : device_(device), profiled_(profiled), log_(drive.log), options_(options), note_(std::move(note)) {
     fields_of(training_).apply(drive.settings, "settings");
     held_out_ = HeldOutRule(log_, training_.frames).held_out(log_.sweeps);
@@ -196,7 +196,7 @@ std::vector<Row> run_table8(const std::string& device_request,
       options.log.empty() ? Drive{"street", synth_street(street)} : open_drive(options.log, scratch.path());
   drive.log.images.clear();
   std::vector<Row> rows;
-  Table table(device, profiled, drive, options, note);
+  Table8 table(device, profiled, drive, options, note);
   table.run("table8", options.voxel_m, rows);
   table.run("table8_coarse", options.coarse_voxel_m, rows);
   const std::vector<LogLidar>& lidars = drive.log.lidars;

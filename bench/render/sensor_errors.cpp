@@ -17,7 +17,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kFloatUnit = 0x1p-24;  // relative rounding of one operation
-constexpr int kParticles = 12;          // of each case, one after the other
+constexpr int kOfEachCase = 12;         // particles, one after the other
 constexpr float kOpacityLogit = 2.2F;   // 0.9
 
 // What the float build may add up, per unit of rounding: the direction of the ray, its turn into the world
@@ -308,7 +308,7 @@ void run_case(Builds& builds, const Rig& rig, const Extreme& extreme, Table& tab
   view.scene_from_sensor_start.translation -= origin;
   view.scene_from_sensor_end.translation -= origin;
   Worst worst;
-  for (int k = 0; k < kParticles; ++k) {
+  for (int k = 0; k < kOfEachCase; ++k) {
     const GaussianSet set = particle_on_a_ray(rig, view, extreme, random);
     worst.add(builds.render(set, view), extreme.range_m);
   }
@@ -338,7 +338,7 @@ void run_set(Builds& builds, const Rig& rig, Table& table) {
   std::vector<GaussianSet> parts;
   for (const Extreme& extreme : all_cases()) {
     if (extreme.scene_offset_m > 0.0 || extreme.scale_m.maxCoeff() > 50.0) continue;
-    for (int k = 0; k < kParticles; ++k) parts.push_back(particle_on_a_ray(rig, view, extreme, random));
+    for (int k = 0; k < kOfEachCase; ++k) parts.push_back(particle_on_a_ray(rig, view, extreme, random));
   }
   GaussianSet set(rig.kind, 0, static_cast<Eigen::Index>(parts.size()));
   for (std::size_t k = 0; k < parts.size(); ++k) {

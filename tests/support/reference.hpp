@@ -16,6 +16,8 @@
 
 namespace simuli::reference {
 
+constexpr double kCameraNear_m = 0.01;  // nothing nearer is seen: z_min
+
 struct Options {
   double alpha_cut = 1.0 / 255.0;           // contributions below it are left out
   double transmittance_cut = 1e-4;          // a ray ends when its transmittance is below it

@@ -12,7 +12,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kCameraNear_m = 0.01;
 constexpr double kMinAxisCosine = 0.1;  // z / |p| of a valid point of the pinhole: about 84 degrees off axis
 
 /// Kannala-Brandt with parameters k1..k4, max_angle_rad; its radius has to grow up to that angle.

@@ -13,7 +13,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kCameraNear_m = 0.01;    // z_min
 constexpr double kPoleMargin_rad = 0.05;  // a LiDAR particle this close to the spin axis is all round
 constexpr double kSettled = 1.0 / 32.0;   // of a row or column, between the time looked at and that seen
 constexpr double kRateMax = 0.75;         // of that time: beyond it there may be several, or none

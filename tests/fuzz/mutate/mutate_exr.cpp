@@ -38,7 +38,7 @@ std::optional<std::string> text_at(const std::string& file, std::size_t& at) {
 }
 
 /// Nothing for what is not whole, or no picture of lines.
-std::optional<Picture> parse(const std::string& file) {
+std::optional<Picture> picture_of(const std::string& file) {
   if (file.size() < kMagicAndVersion || !file.starts_with("\x76\x2f\x31\x01")) return std::nullopt;
   Picture picture{file.substr(0, kMagicAndVersion), {}, {}, false};
   std::size_t at = kMagicAndVersion;
@@ -149,7 +149,7 @@ std::string changed_block(const std::string& bytes, bool zip, Choice& choice) {
 }  // namespace
 
 std::optional<std::string> mutated_exr(const std::string& file, Choice& choice) {
-  std::optional<Picture> picture = parse(file);
+  std::optional<Picture> picture = picture_of(file);
   if (!picture) return std::nullopt;
   const std::size_t at = choice.below(picture->blocks.size());
   Block& block = picture->blocks[at];

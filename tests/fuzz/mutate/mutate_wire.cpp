@@ -38,7 +38,7 @@ void append_varint(std::string& out, std::uint64_t value) {
   out += static_cast<char>(value);
 }
 
-std::optional<std::vector<Field>> parse(const std::string& message) {
+std::optional<std::vector<Field>> fields_of(const std::string& message) {
   std::vector<Field> fields;
   for (std::size_t at = 0; at < message.size();) {
     Field field;
@@ -99,7 +99,7 @@ std::string changed_bytes(const std::string& bytes, int depth, Choice& choice) {
 }
 
 std::optional<std::string> mutated_message(const std::string& message, int depth, Choice& choice) {
-  std::optional<std::vector<Field>> fields = parse(message);
+  std::optional<std::vector<Field>> fields = fields_of(message);
   if (!fields || fields->empty()) return std::nullopt;
   const std::size_t at = choice.below(fields->size());
   Field& field = (*fields)[at];
