@@ -8,6 +8,7 @@
 #include <random>
 #include <utility>
 
+#include "host/core/base/spread.hpp"
 #include "host/core/scene/edit.hpp"
 #include "host/device/render/scene/readings.hpp"
 #include "io/synth/street.hpp"
@@ -62,9 +63,7 @@ WhereItWas where_it_was(const Device& device, const Log& log, const Log& empty, 
     }
   }
   if (errors.empty()) return {std::nan(""), std::nan("")};
-  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-  std::nth_element(errors.begin(), middle, errors.end());
-  return {*middle, ghosts / parted};
+  return {upper_median(std::move(errors)), ghosts / parted};
 }
 
 /// Spread of key poses about the truth, without what they have in common in the car's frame.

@@ -9,6 +9,7 @@
 #include "host/device/render/scene/readings.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/base/metrics.hpp"
 #include "optim/eval/sweep_pair.hpp"
 
 namespace simuli::bench {
@@ -85,13 +86,6 @@ struct Errors {
   std::size_t pole_rays = 0;
 };
 
-double median(std::vector<double>& values) {
-  if (values.empty()) return std::nan("");
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Errors measure(const Device& device,
                const Log& log,
                const std::vector<std::vector<bool>>& on_pole,
@@ -115,8 +109,8 @@ Errors measure(const Device& device,
   out.pole_rays = poles.size();
   const auto found = std::count_if(poles.begin(), poles.end(), [](double e) { return e < kFound_m; });
   out.pole_found = static_cast<double>(found) / static_cast<double>(std::max<std::size_t>(1, poles.size()));
-  out.pole_m = median(poles);
-  out.all_m = median(all);
+  out.pole_m = median(std::move(poles));
+  out.all_m = median(std::move(all));
   return out;
 }
 

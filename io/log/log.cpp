@@ -8,6 +8,7 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
+#include "host/core/base/spread.hpp"
 #include "io/base/file.hpp"
 #include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
@@ -100,9 +101,8 @@ void set_sweep_durations(Log& log) {
       durations_ns.push_back(std::llround((frame.time_end_s - frame.time_start_s) * 1e9));
     }
     if (durations_ns.empty()) continue;
-    const auto middle = durations_ns.begin() + static_cast<std::ptrdiff_t>(durations_ns.size() / 2);
-    std::nth_element(durations_ns.begin(), middle, durations_ns.end());
-    const double sweep_s = std::min(static_cast<double>(*middle) / 1e9, kLongestSweep_s);
+    const auto usual_ns = static_cast<double>(upper_median(std::move(durations_ns)));
+    const double sweep_s = std::min(usual_ns / 1e9, kLongestSweep_s);
     std::visit([&](auto& model) { model.sweep_s = sweep_s; }, lidar.model);
   }
 }

@@ -1,3 +1,4 @@
+#include "host/core/base/spread.hpp"
 #include "io/log/rig_moments.hpp"
 
 #include <algorithm>
@@ -21,10 +22,7 @@ struct SensorFrames {
   [[nodiscard]] double period_s() const {
     std::vector<double> steps;
     for (std::size_t i = 1; i < times_s.size(); ++i) steps.push_back(times_s[i] - times_s[i - 1]);
-    if (steps.empty()) return 0.0;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    return *middle;
+    return upper_median(std::move(steps));
   }
 };
 

@@ -1,8 +1,10 @@
+#include "host/core/base/spread.hpp"
 #include "optim/init/initialize_environment.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace simuli {
 namespace {
@@ -67,12 +69,11 @@ void fill_by_rows(Level& level) {
 std::array<float, 3> sky_colour(const std::vector<FarShell::Patch>& patches) {
   std::vector<float> heights;
   for (const FarShell::Patch& patch : patches) heights.push_back(patch.direction.z());
-  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-  std::nth_element(heights.begin(), middle, heights.end());
+  const float middle = upper_median(std::move(heights));
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   float count = 0.0F;
   for (const FarShell::Patch& patch : patches) {
-    if (patch.direction.z() < *middle) continue;
+    if (patch.direction.z() < middle) continue;
     sum += patch.colour;
     count += 1.0F;
   }

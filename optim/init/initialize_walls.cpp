@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/core/base/parallel.hpp"
+#include "host/core/base/spread.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/init/posed_frames.hpp"
 
@@ -81,9 +82,7 @@ std::vector<double> heights_of_walls(const std::vector<WallColumn>& columns,
   for (std::size_t k = 0; k < columns.size(); ++k) {
     std::vector<double> around;
     for (const std::size_t other : same[k]) around.push_back(tops[other]);
-    const auto half = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
-    std::nth_element(around.begin(), half, around.end());
-    out[k] = *half;
+    out[k] = upper_median(std::move(around));
   }
   return out;
 }

@@ -17,11 +17,4 @@ Spread spread_of(std::vector<double> samples) {
   return {at(0.5), (at(0.75) - at(0.25)) / 2.0};
 }
 
-double upper_median(std::vector<double> samples) {
-  if (samples.empty()) return 0.0;
-  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
-  std::nth_element(samples.begin(), middle, samples.end());
-  return *middle;
-}
-
 }  // namespace simuli

@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 namespace simuli {
@@ -11,6 +13,12 @@ struct Spread {
 [[nodiscard]] Spread spread_of(std::vector<double> samples);
 
 /// The middle one, the upper of the two when their number is even; 0 of nothing.
-[[nodiscard]] double upper_median(std::vector<double> samples);
+template <class Number>
+[[nodiscard]] Number upper_median(std::vector<Number> samples) {
+  if (samples.empty()) return Number{0};
+  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+  std::nth_element(samples.begin(), middle, samples.end());
+  return *middle;
+}
 
 }  // namespace simuli

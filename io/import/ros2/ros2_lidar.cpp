@@ -8,9 +8,11 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <utility>
 
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/spread.hpp"
 #include "host/core/sensors/lidar.hpp"
 #include "host/core/sensors/lidar_locate.hpp"
 #include "io/import/points/point_grid.hpp"
@@ -45,9 +47,7 @@ std::optional<double> off_row(const Lidar& lidar, int row, const std::vector<con
     if (hit) off.push_back(std::abs(hit->elevation_error));
   }
   if (off.empty()) return {};
-  const auto middle = off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2);
-  std::nth_element(off.begin(), middle, off.end());
-  return *middle;
+  return upper_median(std::move(off));
 }
 
 struct NearestTable {

@@ -12,6 +12,7 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/linear_algebra.hpp"
 #include "host/core/base/names.hpp"
+#include "host/core/base/spread.hpp"
 #include "io/import/ros2/ros2_frames.hpp"
 #include "io/import/ros2/ros2_lidar.hpp"
 #include "io/import/ros2/ros2_scan.hpp"
@@ -193,10 +194,7 @@ class Importer {
     for (std::size_t i = 1; i < stamps.size(); ++i) {
       if (stamps[i] > stamps[i - 1]) steps.push_back(stamps[i] - stamps[i - 1]);
     }
-    if (steps.empty()) return 0.0;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    return static_cast<double>(*middle) * kNanosecond_s;
+    return static_cast<double>(upper_median(std::move(steps))) * kNanosecond_s;
   }
 
   void choose_lidars() {

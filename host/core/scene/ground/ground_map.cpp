@@ -1,8 +1,10 @@
+#include "host/core/base/spread.hpp"
 #include "host/core/scene/ground/ground_map.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 namespace simuli {
 
@@ -48,9 +50,7 @@ std::map<GroundMap::Cell, float> GroundMap::without_pits(const std::map<Cell, fl
       const auto other = lows.find({cell[0] + k % 5 - 2, cell[1] + k / 5 - 2});
       if (other != lows.end()) around.push_back(other->second);
     }
-    const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
-    std::nth_element(around.begin(), middle, around.end());
-    out[cell] = std::max(z, *middle - static_cast<float>(kPit_m));
+    out[cell] = std::max(z, upper_median(std::move(around)) - static_cast<float>(kPit_m));
   }
   return out;
 }
