@@ -11,25 +11,26 @@
 
 namespace simuli {
 
-/// Runs f(begin, end) over [0, count) in equal parts on all cores. For work in which each index is handled
-/// alone, so that the split does not show in the result. A part smaller than `smallest` is not worth a thread.
-/// Throws what f does, and what Interruption::ask() does in between.
+/// Runs f(begin, end) over [0, count) in pieces on all cores, each the next that is free. For work in which each
+/// index is handled alone, so that the split does not show in the result. A part smaller than `smallest` is not worth
+/// a thread. Throws what f does, and what Interruption::ask() does in between.
 template <class F>
 void parallel_ranges(std::size_t count, const F& f, std::size_t smallest = 4096) {
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   const std::size_t parts = std::clamp<std::size_t>(count / smallest, 1, cores);
-  std::atomic<bool> is_ended{false};
+  constexpr std::size_t kPieces = 8;  // of a part, where they are worth it
+  const std::size_t piece = std::clamp<std::size_t>(count / (kPieces * parts), smallest, 16 * smallest);
+  std::atomic<std::size_t> next{0};
   std::vector<std::exception_ptr> thrown(parts);
   const auto run = [&](std::size_t i) {
-    const std::size_t end = count * (i + 1) / parts, piece = 16 * smallest;
     try {
-      for (std::size_t begin = count * i / parts; begin < end && !is_ended; begin += piece) {
+      for (std::size_t begin = 0; (begin = next.fetch_add(piece)) < count;) {
         if (i == 0) Interruption::ask();  // the caller's thread
-        f(begin, std::min(begin + piece, end));
+        f(begin, std::min(begin + piece, count));
       }
     } catch (...) {
       thrown[i] = std::current_exception();
-      is_ended = true;
+      next = count;  // nothing more
     }
   };
   {
