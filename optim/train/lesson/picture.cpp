@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "optim/base/frames.hpp"
 #include "optim/train/lesson/lesson.hpp"
 
 namespace simuli {
