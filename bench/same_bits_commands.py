@@ -269,7 +269,7 @@ def all_commands():
     for name, options in EDITS.items():
         render(f"edits/camera/{name}", "front", options)
         render(f"edits/lidar/{name}", "top", options)
-    render("path/frames", "front", "", times="--frames 20:22")
+    render("path/frames", "front", "", times="--frames 2:4")
     render("path/log", "front", "--trajectory {street/long}/out.log", times="--frames 2:3")
     render("path/log_lidar", "top", "--trajectory {street/long}/out.log", times="--frames 2:3")
     render("files/png", "front", "", images="")
@@ -298,7 +298,8 @@ def all_commands():
 
     add("align/path", "align {street}/out.log -o out.log --json > align.json")
     add("align/prior", "align {street}/out.log --prior --prior-position 0.05 -o out.log --json > align.json")
-    add("align/camera", "align {street}/out.log --keep-path --camera front --apply-cameras -o out.log --json > align.json")
+    add("align/camera", "synth street -o large.log --frames 12 --image-width 320 --image-height 180 --speed 5 --seed 3",
+        "align large.log --keep-path --camera front --apply-cameras -o out.log --json > align.json")
     for name in ("opencv_fisheye", "ftheta_angle_to_radius", "ftheta_radius_to_angle", "mei", "double_sphere", "eucm"):
         add(f"fit/{name}", f"fit lens tum_vi_cam0 --model {name} -o lens.json --json > fit.json")
     add("export", "export {train/default}/out.scene -o camera.ply", "export {train/default}/out.scene -o camera.spz",
