@@ -5,9 +5,12 @@
 
 #include "host/core/base/error.hpp"
 #include "optim/init/initialize_views.hpp"
+#include "tests/optim/points/point_set.hpp"
 
 namespace simuli {
 namespace initialize_moving_test {
+
+using test::point_set;
 
 constexpr double kWall_m = 20.0;
 constexpr double kRoad_m = -1.7;
@@ -32,15 +35,6 @@ Sweep sweep(bool pole = false) {
     sweep.intensity.push_back(0.5F);
   }
   return sweep;
-}
-
-PointSet point_set(const std::vector<Eigen::Vector3f>& positions) {
-  PointSet set;
-  set.position.resize(3, static_cast<Eigen::Index>(positions.size()));
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    set.position.col(static_cast<Eigen::Index>(i)) = positions[i];
-  set.intensity.assign(positions.size(), 0.5F);
-  return set;
 }
 
 std::vector<PointVotes> votes_of(const Sweep& s,

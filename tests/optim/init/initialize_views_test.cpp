@@ -6,9 +6,12 @@
 
 #include "host/core/base/error.hpp"
 #include "tests/host/expect_error.hpp"
+#include "tests/optim/points/point_set.hpp"
 
 namespace simuli {
 namespace initialize_views_test {
+
+using test::point_set;
 
 Camera camera(ShutterKind shutter = ShutterKind::kGlobal) {
   return {"front", 100, 80, 100.0, 100.0, 50.0, 40.0, shutter};
@@ -22,15 +25,6 @@ Image plain(float red, float green, float blue) {
     image.data[i + 2] = blue;
   }
   return image;
-}
-
-PointSet point_set(const std::vector<Eigen::Vector3f>& positions) {
-  PointSet set;
-  set.position.resize(3, static_cast<Eigen::Index>(positions.size()));
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    set.position.col(static_cast<Eigen::Index>(i)) = positions[i];
-  set.intensity.assign(positions.size(), 0.5F);
-  return set;
 }
 
 Pose at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }

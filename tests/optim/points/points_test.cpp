@@ -10,9 +10,12 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/interruption.hpp"
+#include "tests/optim/points/point_set.hpp"
 
 namespace simuli {
 namespace {
+
+using test::point_set;
 
 constexpr double kMicrometre_m = 1e-6;  // what the voxel sums keep
 // Positions of 10 m in float32, and the square roots of their differences.
@@ -37,15 +40,6 @@ PointSet voxelise(const std::vector<Point>& points, double voxel_m) {
   for (const Point& p : points) grid.add(p.position, p.intensity);
   EXPECT_EQ(grid.points(), points.size());
   return grid.averages();
-}
-
-PointSet point_set(const std::vector<Eigen::Vector3f>& positions) {
-  PointSet set;
-  set.position.resize(3, static_cast<Eigen::Index>(positions.size()));
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    set.position.col(static_cast<Eigen::Index>(i)) = positions[i];
-  set.intensity.assign(positions.size(), 0.5F);
-  return set;
 }
 
 TEST(VoxelGrid, AveragesPerVoxelAlsoBelowZero) {
