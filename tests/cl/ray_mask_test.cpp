@@ -1,8 +1,8 @@
 // Ray-based culling: the mask against a count of the rays, and sweeps that are the same bits with and
 // without.
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <gtest/gtest.h>
 #include <iostream>
@@ -151,9 +151,7 @@ Sweep sweep_of(Renderer& renderer,
                              &results.transmittance,
                              &results.distance,
                              &results.median}) {
-    const std::size_t begin = sweep.bits.size();
-    sweep.bits.resize(begin + values->size());
-    std::memcpy(sweep.bits.data() + begin, values->data(), values->size() * sizeof(float));
+    for (const float value : *values) sweep.bits.push_back(std::bit_cast<std::uint32_t>(value));
   }
   sweep.visible = pass.buffers().binned.visible;
   return sweep;
