@@ -1,6 +1,5 @@
 #include "bench/paper/actors.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <fmt/format.h>

@@ -1,4 +1,3 @@
-#include "host/core/base/spread.hpp"
 #include "io/log/rig_moments.hpp"
 
 #include <algorithm>
@@ -8,6 +7,8 @@
 #include <numbers>
 #include <string>
 #include <utility>
+
+#include "host/core/base/spread.hpp"
 
 namespace simuli {
 namespace {

@@ -1,10 +1,11 @@
-#include "host/core/base/spread.hpp"
 #include "optim/init/initialize_environment.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
+
+#include "host/core/base/spread.hpp"
 
 namespace simuli {
 namespace {

@@ -1,10 +1,11 @@
-#include "host/core/base/spread.hpp"
 #include "host/core/scene/ground/ground_map.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
+
+#include "host/core/base/spread.hpp"
 
 namespace simuli {
 
