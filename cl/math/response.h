@@ -98,11 +98,16 @@ FN void load_ray(
 #if ACTOR_MOTION
 /// The ray as the particle at its record's time would see it: what the particle moves until the ray's own
 /// time, the ray moves the other way. Exact but for the turn of the particle's actor in between.
-FN RayLanes follow(const RayLanes* ray, const real* motion) {
-  RayLanes seen = *ray;
+FN void follow(const RayLanes* ray, const real* motion, RayLanes* seen) {
+  // By parts: a copy of the whole is a call on CPUs, around which no register keeps the particle's record.
   const F dt = ray->t - motion[SIM_M_TIME];
-  for (int k = 0; k < 3; ++k) seen.o[k] = fma(dt, (F)-motion[SIM_M_VELOCITY + k], ray->o[k]);
-  return seen;
+#pragma unroll
+  for (int k = 0; k < 3; ++k) {
+    seen->d[k] = ray->d[k];
+    seen->o[k] = fma(dt, (F)-motion[SIM_M_VELOCITY + k], ray->o[k]);
+  }
+  seen->t = ray->t;
+  seen->u = ray->u;
 }
 #endif
 

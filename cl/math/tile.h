@@ -161,7 +161,7 @@ FN int is_touched(const Tile* tile, const Instance* at, int j, uint alive) {
 FN const RayLanes* seen_by(const Instance* at, const RayLanes* ray, RayLanes* own) {
 #if ACTOR_MOTION
   if (at->moves) {
-    *own = follow(ray, at->motion);
+    follow(ray, at->motion, own);
     return own;
   }
 #endif
