@@ -31,6 +31,7 @@ set(SIMULI_CL_FILES
   math/ray_feature.h
   math/response.h
   math/response_bwd.h
+  math/rotation.h
   math/rounds.h
   math/sensor.h
   math/sensor_pose.h

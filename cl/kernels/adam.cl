@@ -1,5 +1,37 @@
 // adam.cl - one Adam step on the particles of a frame. Launcher: host/device/render/train/adam.cpp
-#include "math/lanes.h"
+#include "math/elementary.h"
+#include "math/rotation.h"
+#include "shared/layout.h"
+
+// Of a particle whose mean takes steps of its rate, m. Smaller and larger ones: docs/DECISIONS.md, "The camera set".
+#define SIM_MEAN_SIZE R(0.02)
+
+/// What all rows of a matrix share.
+typedef struct {
+  real beta1, beta2;
+  real inv_bias1, inv_bias2;
+  __global real* first;
+  __global real* second;
+} Moments;
+
+/// Updates the moments that start at `at` by gradient g; the step of rate 1.
+FN F step_of(const Moments* moments, uint at, F g, I live, real epsilon) {
+  const F m0 = LDV(moments->first + at);
+  const F v0 = LDV(moments->second + at);
+  const F m = fma((F)moments->beta1, m0, (R(1.0) - moments->beta1) * g);
+  const F v = fma((F)moments->beta2, v0, (R(1.0) - moments->beta2) * g * g);
+  STV(moments->first + at, SEL(live, m, m0));
+  STV(moments->second + at, SEL(live, v, v0));
+  return m * moments->inv_bias1 / (sqrt(v * moments->inv_bias2) + epsilon);
+}
+
+/// A gradient where it is finite, else 0, and one more in `bad`.
+FN F finite_gradient(__global const real* grads, uint i, I live, F* bad) {
+  const F raw = LDV(grads + i);
+  const I finite = fabs(raw) < R(1e30);
+  *bad += SEL(AND(live, !finite), (F)R(1.0), (F)R(0.0));
+  return SEL(finite, raw, (F)R(0.0));
+}
 
 /// V columns per work-item, all their parameters: particles, or with `dense` anything. Particles that the last
 /// frame culled have no gradient: they keep parameters and moments, and cost one look at their key.
@@ -7,7 +39,10 @@
 ///     first: where the matrix starts in params and moments
 ///     rate[rows], epsilon[rows]: of each row; the bias corrections come from the host as
 ///     inv_bias1 = 1 / (1 - beta1^t) and inv_bias2 = 1 / (1 - beta2^t) (Kingma and Ba, algorithm 1)
-/// A gradient that is not finite (or above 1e30) moves nothing and is counted in rejected[0].
+/// Means move along their particle's axes, along each in proportion to its standard deviation s_k: by the rate times
+/// s_k / sqrt(s SIM_MEAN_SIZE), s their geometric mean. Adam's steps have one length otherwise, whatever the particle's,
+/// and across a disk as far as along it.
+/// A gradient that is not finite (or above 1e30) moves nothing, of a mean no part, and is counted in rejected[0].
 __kernel void adam(const uint particles,
                    const uint stride,
                    const uint rows,
@@ -37,22 +72,39 @@ __kernel void adam(const uint particles,
   if (!any_seen) return;
   const I live = LDV(seen) > R(0.5);
   F bad = (F)R(0.0);
-  for (uint row = 0; row < rows; ++row) {
+  const Moments moments = {beta1, beta2, inv_bias1, inv_bias2, first_moment, second_moment};
+  __global real* mine = params + first + column;
+  uint row = SIM_MEAN;
+  if (!dense) {
+    F gradient[3], own[3], step[3], q[4], axes[9], size = (F)R(0.0);
+    for (int k = 0; k < 4; ++k) q[k] = LDV(mine + (SIM_ROTATION + k) * stride);
+    const F inv_norm = R(1.0) / sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    for (int k = 0; k < 4; ++k) q[k] *= inv_norm;
+    rotation_of(q, axes);
+    for (int k = 0; k < 3; ++k) {
+      gradient[k] = finite_gradient(grads, k * stride + column, live, &bad);
+      size += LDV(mine + (SIM_LOG_SCALE + k) * stride);
+    }
+    const F reference = R(0.5) * (size * R(0.33333333333333333) + log(SIM_MEAN_SIZE));
+    rotate_back_lanes(axes, gradient, own);
+    const I whole = bad < R(0.5);
+    for (int k = 0; k < 3; ++k) {
+      const F share = exp_lanes(LDV(mine + (SIM_LOG_SCALE + k) * stride) - reference);
+      own[k] = SEL(whole, own[k], (F)R(0.0));
+      step[k] = rate[k] * share * step_of(&moments, first + k * stride + column, own[k], live, epsilon[k]);
+    }
+    rotate_lanes(axes, step, own);
+    for (; row < SIM_LOG_SCALE; ++row) {
+      const F p = LDV(mine + row * stride);
+      STV(mine + row * stride, SEL(live, p - own[row], p));
+    }
+  }
+  for (; row < rows; ++row) {
     const uint i = row * stride + column;
-    const F raw = LDV(grads + i);
-    const I finite = fabs(raw) < R(1e30);
-    const F g = SEL(finite, raw, (F)R(0.0));
-    const uint at = first + i;
-    const F m0 = LDV(first_moment + at);
-    const F v0 = LDV(second_moment + at);
-    const F m = fma((F)beta1, m0, (R(1.0) - beta1) * g);
-    const F v = fma((F)beta2, v0, (R(1.0) - beta2) * g * g);
-    const F step = rate[row] * (m * inv_bias1) / (sqrt(v * inv_bias2) + epsilon[row]);
-    STV(first_moment + at, SEL(live, m, m0));
-    STV(second_moment + at, SEL(live, v, v0));
-    const F p = LDV(params + at);
-    STV(params + at, SEL(live, p - step, p));
-    bad += SEL(AND(live, !finite), (F)R(1.0), (F)R(0.0));
+    const F g = finite_gradient(grads, i, live, &bad);
+    const F step = rate[row] * step_of(&moments, first + i, g, live, epsilon[row]);
+    const F p = LDV(params + first + i);
+    STV(params + first + i, SEL(live, p - step, p));
   }
   if (ANY(bad > R(0.0))) atomic_add(rejected, (uint)HSUM(bad));
 }

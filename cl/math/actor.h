@@ -4,6 +4,7 @@
 #ifndef SIMULI_CL_MATH_ACTOR_H
 #define SIMULI_CL_MATH_ACTOR_H
 #include "math/elementary.h"
+#include "math/rotation.h"
 #include "shared/layout.h"
 #include "shared/sensor_constants.h"
 
@@ -80,29 +81,6 @@ FN void load_actors(__global const uint* actor_of,
   for (int k = 0; k < 3; ++k) a->axis[k] = LDV(axis + k * V);
   a->angle = LDV(angle);
 #endif
-}
-
-/// out = R v, or R^T v, R row-major 3x3 on lanes.
-FN void rotate_lanes(const F* r, const F* v, F* out) {
-  for (int k = 0; k < 3; ++k) out[k] = r[3 * k] * v[0] + r[3 * k + 1] * v[1] + r[3 * k + 2] * v[2];
-}
-FN void rotate_back_lanes(const F* r, const F* v, F* out) {
-  for (int k = 0; k < 3; ++k) out[k] = r[k] * v[0] + r[3 + k] * v[1] + r[6 + k] * v[2];
-}
-
-/// out = A B, 3x3 row-major on lanes.
-FN void multiply_lanes(const F* a, const F* b, F* out) {
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      out[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
-    }
-  }
-}
-
-FN void cross_lanes(const F* a, const F* b, F* out) {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 #if ACTOR_MOTION

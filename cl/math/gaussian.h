@@ -3,6 +3,7 @@
 #define SIMULI_CL_MATH_GAUSSIAN_H
 #include "math/actor.h"
 #include "math/elementary.h"
+#include "math/rotation.h"
 #include "shared/layout.h"
 
 // Build: COMPENSATION = 1 scales opacities by what the footprint filter widens.
@@ -70,16 +71,7 @@ FN void load_shape(
   for (int k = 0; k < 4; ++k) q[k] = LDV(row + (SIM_ROTATION + k) * stride);
   g->inv_norm = R(1.0) / sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   for (int k = 0; k < 4; ++k) g->quaternion[k] = q[k] * g->inv_norm;
-  const F w = g->quaternion[0], x = g->quaternion[1], y = g->quaternion[2], z = g->quaternion[3];
-  g->rotation[0] = R(1.0) - R(2.0) * (y * y + z * z);
-  g->rotation[1] = R(2.0) * (x * y - w * z);
-  g->rotation[2] = R(2.0) * (x * z + w * y);
-  g->rotation[3] = R(2.0) * (x * y + w * z);
-  g->rotation[4] = R(1.0) - R(2.0) * (x * x + z * z);
-  g->rotation[5] = R(2.0) * (y * z - w * x);
-  g->rotation[6] = R(2.0) * (x * z - w * y);
-  g->rotation[7] = R(2.0) * (y * z + w * x);
-  g->rotation[8] = R(1.0) - R(2.0) * (x * x + y * y);
+  rotation_of(g->quaternion, g->rotation);
 #if ACTORS
   if (g->actor.any) {
     F own[9];

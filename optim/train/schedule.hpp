@@ -43,7 +43,7 @@ inline constexpr double kCoolDown = 0.2;  // of a training, at its end
 /// (400 and 300 iterations, the latter at quarter size). The defaults are the camera set's; what others gave is in
 /// docs/DECISIONS.md.
 struct LearningRates {
-  double mean_m = 1e-2;
+  double mean_m = 1e-2;  // of a particle of 2 cm (cl/kernels/adam.cl)
   double mean_final_m = 1e-4;
   double log_scale = 3e-2;
   double rotation = 5e-3;  // of quaternions

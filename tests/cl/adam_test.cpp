@@ -1,6 +1,8 @@
 // Adam against the textbook (Kingma and Ba, algorithm 1) in double.
 #include "host/device/render/train/adam.hpp"
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -8,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "host/core/scene/gaussians.hpp"
 #include "tests/cl/support.hpp"
 #include "tests/support/device.hpp"
 
@@ -19,19 +22,59 @@ struct Textbook {
   std::vector<double> params, first, second;
   int steps = 0;
 
-  void step(const std::vector<double>& gradients, const AdamRows& rows, std::size_t stride) {
+  /// The step of parameter i by gradient g, of rate 1.
+  double step_of(std::size_t i, double g, double epsilon) {
     constexpr double kBeta1 = 0.7, kBeta2 = 0.999;
+    first[i] = kBeta1 * first[i] + (1.0 - kBeta1) * g;
+    second[i] = kBeta2 * second[i] + (1.0 - kBeta2) * g * g;
+    const double m = first[i] / (1.0 - std::pow(kBeta1, steps));
+    const double v = second[i] / (1.0 - std::pow(kBeta2, steps));
+    return m / (std::sqrt(v) + epsilon);
+  }
+
+  /// Rows one by one from row `from` on.
+  void step(const std::vector<double>& gradients,
+            const AdamRows& rows,
+            std::size_t stride,
+            std::size_t from = 0) {
     ++steps;
     first.resize(params.size(), 0.0);
     second.resize(params.size(), 0.0);
-    for (std::size_t i = 0; i < params.size(); ++i) {
+    for (std::size_t i = from * stride; i < params.size(); ++i) {
       const double g = std::isfinite(gradients[i]) ? gradients[i] : 0.0;
-      first[i] = kBeta1 * first[i] + (1.0 - kBeta1) * g;
-      second[i] = kBeta2 * second[i] + (1.0 - kBeta2) * g * g;
-      const double m = first[i] / (1.0 - std::pow(kBeta1, steps));
-      const double v = second[i] / (1.0 - std::pow(kBeta2, steps));
-      const double epsilon = rows.epsilon.empty() ? 1e-15 : rows.epsilon[i / stride];
-      params[i] -= rows.rate[i / stride] * m / (std::sqrt(v) + epsilon);
+      const double epsilon = rows.epsilon.empty() ? kAdamEpsilon : rows.epsilon[i / stride];
+      params[i] -= rows.rate[i / stride] * step_of(i, g, epsilon);
+    }
+  }
+
+  /// Of a set: means along their particle's axes, in proportion to its deviation there.
+  void step_set(const std::vector<double>& gradients, const AdamRows& rows, std::size_t stride) {
+    const std::vector<double> before = params;
+    step(gradients, rows, stride, kLogScaleRow);
+    for (std::size_t i = 0; i < stride; ++i) {
+      const auto of = [&](const std::vector<double>& matrix, int row) {
+        return matrix[static_cast<std::size_t>(row) * stride + i];
+      };
+      const Eigen::Quaterniond turn(of(before, kRotationRow),
+                                    of(before, kRotationRow + 1),
+                                    of(before, kRotationRow + 2),
+                                    of(before, kRotationRow + 3));
+      if (!(turn.norm() > 0.0)) continue;  // padding
+      const Eigen::Matrix3d axes = turn.normalized().toRotationMatrix();
+      Eigen::Vector3d gradient, deviation, own;
+      for (int k = 0; k < 3; ++k) {
+        gradient[k] = of(gradients, k);
+        deviation[k] = std::exp(of(before, kLogScaleRow + k));
+      }
+      if (!gradient.allFinite()) gradient.setZero();
+      gradient = axes.transpose() * gradient;
+      for (int k = 0; k < 3; ++k) {
+        const std::size_t row = static_cast<std::size_t>(k);
+        own[k] = rows.rate[row] * deviation[k] / std::sqrt(std::cbrt(deviation.prod()) * 0.02) *
+                 step_of(row * stride + i, gradient[k], rows.epsilon[row]);
+      }
+      const Eigen::Vector3d moved = axes * own;
+      for (int k = 0; k < 3; ++k) params[static_cast<std::size_t>(k) * stride + i] -= moved[k];
     }
   }
 };
@@ -78,7 +121,7 @@ TEST_P(Adam, FollowsTheTextbookAndRejectsWhatIsNotFinite) {
       // Padding is as good as culled.
       if (i % stride >= visible.size() || visible[i % stride] != 1U) g[i] = 0.0;
     }
-    expected.step(g, rows, stride);
+    expected.step_set(g, rows, stride);
   }
   const std::vector<double> found = particles.params.download_double();
   // Twenty sums, each rounded against the parameter, and the rounding of the steps themselves.
