@@ -199,7 +199,7 @@ void add_environment(const Device& device, Tally& tally, const EnvironmentMap& m
 
 /// All moved by one optimiser, the gradients of one at a time.
 void add_color_grids(const Device& device, Tally& tally, const Counts& counts, const GridPlan& plan) {
-  const auto [x, y, z] = plan.size;
+  const auto [x, y, z] = GridPlan::kSize;
   const auto vertices = static_cast<std::uint64_t>(x) * static_cast<std::uint64_t>(y * z);
   const ColorGridBuffers grids(device);
   const ColorGridSizes all{plan.images.size(), vertices};

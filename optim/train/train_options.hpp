@@ -60,7 +60,7 @@ constexpr void visit_fields(ImageWeights& o, F&& field) {
 
 /// What learns a colour transform of its own.
 enum class ColorGridsOf : int {
-  kAuto = 0,  // kPictures where one camera trains, else each camera, next to constant over its pictures
+  kAuto = 0,  // kPictures where one camera trains, else each camera, for all its pictures
   kPictures = 1,
   kNone = 2,
 };

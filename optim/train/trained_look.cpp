@@ -17,8 +17,9 @@ constexpr double kLookFinalShare = 0.1;  // of both rates, at the end
 /// below the horizon with an opacity under 0.5: 16 % without, 0.3 %; 29.70 and 29.63 dB. Black to the end: 29.7 dB,
 /// but what nobody saw is black, too: 25.8 for 26.3 dB 2 m beside the street's path.
 constexpr double kDarkShare = 0.5;
-/// Weight of squared differences of a grid to the identity: METHOD's table has the paper's.
-constexpr double kGridDrift = 0.001;
+/// Weights of squared differences of a grid's neighbouring vertices, and to the identity: METHOD's table has the
+/// paper's.
+constexpr double kGridVariation = 40.0, kGridDrift = 0.001;
 /// Grids that take fewer steps than so many take longer ones, up to so many times: each gets as far. 0013, a quarter,
 /// 200 iterations (5 steps a grid), 1, 3, 8 and 24 times: 23.50, 23.84, 24.08 and 23.78 dB. Where steps suffice, longer
 /// ones take over what the scene should learn (DECISIONS).
@@ -38,7 +39,8 @@ ColorGrids starting_grids(const Log& log, const Scene& scene, const GridPlan& pl
     const ImageFrame& image = log.images[i];
     frames.push_back({image.camera, 0.5 * (image.time_start_s + image.time_end_s)});
   }
-  ColorGrids grids = ColorGrids::identity(plan.size[0], plan.size[1], plan.size[2], std::move(frames));
+  const auto [x, y, luminance] = GridPlan::kSize;
+  ColorGrids grids = ColorGrids::identity(x, y, luminance, std::move(frames));
   const ColorGrids& own = scene.color_grids;
   const bool same = own.frames == grids.frames && own.values.size() == grids.values.size();
   return same ? own : grids;
@@ -63,7 +65,7 @@ std::vector<std::size_t> grid_of_images(const Log& log,
 
 GridPlan plan_grids(const LookOptions& options, const Log& log, const std::vector<std::size_t>& training) {
   if (options.color_grids == ColorGridsOf::kNone) return {};
-  GridPlan plan{{}, {2, 2, 2}, 1000.0, true};
+  GridPlan plan{{}, true};
   for (const std::size_t i : training) {
     const bool is_first = std::none_of(plan.images.begin(), plan.images.end(), [&](std::size_t image) {
       return log.images[image].camera == log.images[i].camera;
@@ -71,7 +73,7 @@ GridPlan plan_grids(const LookOptions& options, const Log& log, const std::vecto
     if (is_first) plan.images.push_back(i);
   }
   const bool is_of_pictures = options.color_grids == ColorGridsOf::kPictures || plan.images.size() == 1;
-  return is_of_pictures ? GridPlan{training, {16, 16, 8}, 40.0, false} : plan;
+  return is_of_pictures ? GridPlan{training, false} : plan;
 }
 
 TrainedLook::TrainedLook(const Device& device,
@@ -102,8 +104,7 @@ TrainedLook::TrainedLook(const Device& device,
                        grid_of_images(log, plan, images),
                        std::move(buffers),
                        RealBuffer(device, "colour grid gradients", kFloat),
-                       AdamStage(device, kFloat, reals),
-                       plan.variation});
+                       AdamStage(device, kFloat, reals)});
 }
 
 double TrainedLook::colour_epsilon(std::size_t parts) const {
@@ -126,7 +127,8 @@ void TrainedLook::backward(Pass& pass, std::size_t image) {
   if (grids_) {
     Grids& g = *grids_;
     const auto values = static_cast<double>(g.frames.values_per_frame());
-    pass.grade_backward(g.buffers, g.of_image[image], {g.variation / values, kGridDrift / values}, g.grads);
+    pass.grade_backward(
+        g.buffers, g.of_image[image], {kGridVariation / values, kGridDrift / values}, g.grads);
   }
   if (environment_) {
     Environment& e = *environment_;

@@ -17,9 +17,8 @@ namespace simuli {
 
 /// The colour grids of a training (METHOD section 9).
 struct GridPlan {
+  static constexpr std::array<int, 3> kSize{16, 16, 8};  // vertices along x, y and luminance
   std::vector<std::size_t> images;  // indices into log.images: whose grids they are; empty: none
-  std::array<int, 3> size{};        // vertices along x, y and luminance
-  double variation = 0.0;           // weight of squared differences of neighbouring vertices
   bool by_camera = false;           // one for all pictures of a camera
 };
 /// `training`: the log's training pictures.
@@ -83,7 +82,6 @@ class TrainedLook {
     ColorGridBuffers buffers;
     RealBuffer grads;  // of one grid
     AdamStage adam;
-    double variation = 0.0;
   };
 
   LookOptions options_;
