@@ -219,6 +219,7 @@ TEST_F(TrainerLook, CamerasHaveTintsOfTheirOwnWhereSeveralTrain) {
   EXPECT_GT(tinted_psnr_db, plain_psnr_db + 1.0);
   const ColorGrids& tints = tinted.color_grids;
   ASSERT_EQ(tints.frames.size(), 2U);
+  EXPECT_EQ(tints.values_per_frame(), 16U * 16U * 8U * 12U);
   const std::size_t dim = tints.frames[0].camera == "dim" ? 0 : 1;
   EXPECT_LT(mean_gain(tints, dim), mean_gain(tints, 1 - dim) - 0.05);
 }
