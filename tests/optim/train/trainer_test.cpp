@@ -301,7 +301,8 @@ TEST_F(TrainerTest, AnchorsHoldTheCameraSetNearTheLidarSet) {
 }
 
 TEST_F(TrainerTest, SweepsHoldTheCameraSetWhereTheirReturnsAre) {
-  // The camera set's own distances along the rays of the sweeps, mean error in m.
+  // The camera set's own distances along the rays of the sweeps, median error in m: few rays through a hole make the
+  // mean of 100 iterations 0.12 to 0.3 m.
   const auto error_m = [&](double weight) {
     TrainingOptions o = options(100);
     o.train.depth = {.weight = weight, .every = 1};
@@ -311,12 +312,11 @@ TEST_F(TrainerTest, SweepsHoldTheCameraSetWhereTheirReturnsAre) {
     as_lidar.params.leftCols(kShRow) = scene.camera.params.leftCols(kShRow);
     scene.lidar = as_lidar;
     scene.ray_drop.clear();
-    Trainer trainer(test::device(), log_, scene, options(5));
-    for (int k = 0; k < 5; ++k) trainer.step();
-    return trainer.status().distance_m;
+    const EvalOptions trained{.image_scale = 1.0, .held_out_every = 0, .timed_renders = 1};
+    return test::compare(log_, scene, trained).lidar.distance_median_m;
   };
   const double without = error_m(0.0);
-  EXPECT_LT(error_m(3.0), 0.55 * without) << without;
+  EXPECT_LT(error_m(1.0), 0.4 * without) << without;
 }
 
 TEST_F(TrainerTest, WhatIsNotANumberDoesNoHarmAndIsCounted) {
