@@ -15,7 +15,7 @@ typedef struct {
 } Moments;
 
 /// Updates the moments that start at `at` by gradient g; the step of rate 1.
-FN F step_of(const Moments* moments, uint at, F g, I live, real epsilon) {
+FN F step_of(const Moments* moments, uint at, F g, I live, F epsilon) {
   const F m0 = LDV(moments->first + at);
   const F v0 = LDV(moments->second + at);
   const F m = fma((F)moments->beta1, m0, (R(1.0) - moments->beta1) * g);
@@ -37,11 +37,12 @@ FN F finite_gradient(__global const real* grads, uint i, I live, F* bad) {
 /// frame culled have no gradient: they keep parameters and moments, and cost one look at their key.
 /// in  keys[particles]: 0xffffffff for a culled particle, not read when `dense`; grads[rows][stride]
 ///     first: where the matrix starts in params and moments
-///     rate[rows], epsilon[rows]: of each row; the bias corrections come from the host as
+///     rate[rows], epsilon[rows]: of each row, of means of a gradient by s_k; the bias corrections come from the host as
 ///     inv_bias1 = 1 / (1 - beta1^t) and inv_bias2 = 1 / (1 - beta2^t) (Kingma and Ba, algorithm 1)
 /// Means move along their particle's axes, along each in proportion to its standard deviation s_k: by the rate times
 /// s_k / sqrt(s SIM_MEAN_SIZE), s their geometric mean. Adam's steps have one length otherwise, whatever the particle's,
-/// and across a disk as far as along it.
+/// and across a disk as far as along it. Moments stay those of steps in metres: in units of s_k, which shrinks while a
+/// particle learns, second moments remember more than its gradients now (street -0.1 dB).
 /// A gradient that is not finite (or above 1e30) moves nothing, of a mean no part, and is counted in rejected[0].
 __kernel void adam(const uint particles,
                    const uint stride,
@@ -76,22 +77,26 @@ __kernel void adam(const uint particles,
   __global real* mine = params + first + column;
   uint row = SIM_MEAN;
   if (!dense) {
-    F gradient[3], own[3], step[3], q[4], axes[9], size = (F)R(0.0);
+    F gradient[3], own[3], step[3], deviation[3], q[4], axes[9];
     for (int k = 0; k < 4; ++k) q[k] = LDV(mine + (SIM_ROTATION + k) * stride);
     const F inv_norm = R(1.0) / sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
     for (int k = 0; k < 4; ++k) q[k] *= inv_norm;
     rotation_of(q, axes);
+    F size = (F)R(0.0);
     for (int k = 0; k < 3; ++k) {
       gradient[k] = finite_gradient(grads, k * stride + column, live, &bad);
-      size += LDV(mine + (SIM_LOG_SCALE + k) * stride);
+      const F log_scale = LDV(mine + (SIM_LOG_SCALE + k) * stride);
+      deviation[k] = exp_lanes(log_scale);
+      size += log_scale;
     }
-    const F reference = R(0.5) * (size * R(0.33333333333333333) + log(SIM_MEAN_SIZE));
+    const F share = exp_lanes(R(-0.5) * (size * R(0.33333333333333333) + log(SIM_MEAN_SIZE)));
     rotate_back_lanes(axes, gradient, own);
     const I whole = bad < R(0.5);
     for (int k = 0; k < 3; ++k) {
-      const F share = exp_lanes(LDV(mine + (SIM_LOG_SCALE + k) * stride) - reference);
       own[k] = SEL(whole, own[k], (F)R(0.0));
-      step[k] = rate[k] * share * step_of(&moments, first + k * stride + column, own[k], live, epsilon[k]);
+      const F least = epsilon[k] / deviation[k];
+      step[k] = rate[k] * share * deviation[k] *
+                step_of(&moments, first + k * stride + column, own[k], live, least);
     }
     rotate_lanes(axes, step, own);
     for (; row < SIM_LOG_SCALE; ++row) {
@@ -102,7 +107,7 @@ __kernel void adam(const uint particles,
   for (; row < rows; ++row) {
     const uint i = row * stride + column;
     const F g = finite_gradient(grads, i, live, &bad);
-    const F step = rate[row] * step_of(&moments, first + i, g, live, epsilon[row]);
+    const F step = rate[row] * step_of(&moments, first + i, g, live, (F)epsilon[row]);
     const F p = LDV(params + first + i);
     STV(params + first + i, SEL(live, p - step, p));
   }

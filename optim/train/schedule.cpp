@@ -36,6 +36,7 @@ std::size_t FrameOrder::at(std::uint64_t iteration) {
 
 std::vector<double> row_epsilons(int sh_degree, double colour_epsilon) {
   std::vector<double> row(static_cast<std::size_t>(param_rows(sh_degree)), kAdamEpsilon);
+  for (std::size_t k = 0; k < kLogScaleRow; ++k) row[k] += 0.1 * colour_epsilon;
   for (std::size_t k = kShRow; k < row.size(); ++k) row[k] += colour_epsilon;
   return row;
 }

@@ -75,8 +75,9 @@ constexpr void visit_fields(LearningRates& o, F&& field) {
 /// 23.27 -> 23.54 dB, 0052 27.12 -> 27.51, PandaSet (20 frames) 29.64 -> 30.69, street 29.62 -> 29.84.
 [[nodiscard]] LearningRates paced(LearningRates rates, int iterations);
 
-/// Adam's epsilon of each parameter row [param_rows(sh_degree)]: `colour_epsilon` of those that state
-/// colours, else none.
+/// Adam's epsilon of each parameter row [param_rows(sh_degree)]: `colour_epsilon` of those that state colours, a tenth
+/// of it of means (by their particle's deviation), else none. What is hardly shown stays where it is: what no picture saw
+/// 2 and 3 m beside the street's path 15.6 -> 16.1, 14.7 -> 15.6 dB, for 0.03 dB on it and 0.05 on 0052.
 [[nodiscard]] std::vector<double> row_epsilons(int sh_degree, double colour_epsilon);
 
 /// The rate of each parameter row [param_rows(sh_degree)] at `progress` in [0, 1] of the training.

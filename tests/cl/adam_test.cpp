@@ -71,7 +71,7 @@ struct Textbook {
       for (int k = 0; k < 3; ++k) {
         const std::size_t row = static_cast<std::size_t>(k);
         own[k] = rows.rate[row] * deviation[k] / std::sqrt(std::cbrt(deviation.prod()) * 0.02) *
-                 step_of(row * stride + i, gradient[k], rows.epsilon[row]);
+                 step_of(row * stride + i, gradient[k], rows.epsilon[row] / deviation[k]);
       }
       const Eigen::Vector3d moved = axes * own;
       for (int k = 0; k < 3; ++k) params[static_cast<std::size_t>(k) * stride + i] -= moved[k];

@@ -86,11 +86,12 @@ TEST(RowRates, MoveScalesFasterInShortTrainings) {
   EXPECT_EQ(paced(rates, 20).opacity, rates.opacity);
 }
 
-TEST(RowEpsilons, AreOfColoursAlone) {
+TEST(RowEpsilons, AreOfColoursAndATenthOfThemOfMeans) {
   const std::vector<double> rows = row_epsilons(1, 1e-6);
   ASSERT_EQ(rows.size(), static_cast<std::size_t>(param_rows(1)));
   for (int row = 0; row < param_rows(1); ++row) {
-    EXPECT_NEAR(rows[static_cast<std::size_t>(row)], row < kShRow ? 0.0 : 1e-6, 1e-14) << row;
+    const double expected = row < kLogScaleRow ? 1e-7 : row < kShRow ? 0.0 : 1e-6;
+    EXPECT_NEAR(rows[static_cast<std::size_t>(row)], expected, 1e-14) << row;
   }
 }
 
