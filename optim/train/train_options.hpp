@@ -43,7 +43,7 @@ struct RayDropOptions {
 struct ImageWeights {
   double absolute = 0.8;
   double squared = 10.0;
-  double dissimilarity = 0.2;
+  double dissimilarity = 0.4;
   double sky = 0.01;  // of opacity where a picture shows sky
 };
 template <class F>
@@ -73,7 +73,7 @@ struct LookOptions {
   ColorGridsOf color_grids = ColorGridsOf::kAuto;
   double environment_rate = 1e-2;  // per step of Adam, of texels, at the start
   double grid_rate = 2e-3;         // of the grids' values, where they take steps enough
-  double least_share = 0.6;
+  double least_share = 0.8;
 };
 template <class F>
 constexpr void visit_fields(LookOptions& o, F&& field) {

@@ -47,7 +47,7 @@ TEST_F(Cli, SetHelpListsKeysWithDefaultsRangesAndMeanings) {
   const Outcome train = run("train --set help");
   EXPECT_EQ(train.exit_code, 0);
   EXPECT_EQ(train.err, "");
-  EXPECT_EQ(line_of(train.out, "loss.ssim"), "  loss.ssim=0.2  (0 or more)") << train.out;
+  EXPECT_EQ(line_of(train.out, "loss.ssim"), "  loss.ssim=0.4  (0 or more)") << train.out;
   EXPECT_NE(train.out.find("\nStart\n  init.voxel_m=0.1  (0.001 to 50)\n      Side of"), std::string::npos);
   EXPECT_EQ(line_of(train.out, "render.extent").find("  render.extent=exact  ("), 0U);
   const Outcome draft = run("eval --set help --quality draft");
