@@ -78,10 +78,7 @@ __kernel void adam(const uint particles,
   uint row = SIM_MEAN;
   if (!dense) {
     F gradient[3], own[3], step[3], deviation[3], q[4], axes[9];
-    for (int k = 0; k < 4; ++k) q[k] = LDV(mine + (SIM_ROTATION + k) * stride);
-    const F inv_norm = R(1.0) / sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    for (int k = 0; k < 4; ++k) q[k] *= inv_norm;
-    rotation_of(q, axes);
+    load_rotation(mine, stride, q, axes);
     F size = (F)R(0.0);
     for (int k = 0; k < 3; ++k) {
       gradient[k] = finite_gradient(grads, k * stride + column, live, &bad);

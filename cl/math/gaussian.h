@@ -67,11 +67,7 @@ FN void load_shape(
     g->scale[k] = exp_lanes(LDV(row + (SIM_LOG_SCALE + k) * stride));
     g->filtered[k] = sqrt(fma(g->scale[k], g->scale[k], widen));
   }
-  F q[4];
-  for (int k = 0; k < 4; ++k) q[k] = LDV(row + (SIM_ROTATION + k) * stride);
-  g->inv_norm = R(1.0) / sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  for (int k = 0; k < 4; ++k) g->quaternion[k] = q[k] * g->inv_norm;
-  rotation_of(g->quaternion, g->rotation);
+  g->inv_norm = load_rotation(row, stride, g->quaternion, g->rotation);
 #if ACTORS
   if (g->actor.any) {
     F own[9];

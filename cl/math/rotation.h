@@ -1,7 +1,8 @@
-// rotation.h - 3x3 rotations and cross products on lanes.
+// rotation.h - 3x3 rotations and cross products on lanes, and a particle's rotation.
 #ifndef SIMULI_CL_MATH_ROTATION_H
 #define SIMULI_CL_MATH_ROTATION_H
 #include "math/lanes.h"
+#include "shared/layout.h"
 
 /// out = R v, or R^T v, R row-major 3x3 on lanes.
 FN void rotate_lanes(const F* r, const F* v, F* out) {
@@ -26,9 +27,14 @@ FN void cross_lanes(const F* a, const F* b, F* out) {
   out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/// The matrix, row-major, of unit quaternion q (w, x, y, z).
-FN void rotation_of(const F* q, F* r) {
-  const F w = q[0], x = q[1], y = q[2], z = q[3];
+/// The unit quaternion (w, x, y, z) and the rotation, row-major, of the particles whose parameters start at `column`;
+/// 1 / |raw quaternion|.
+FN F load_rotation(const __global real* column, uint stride, F* quaternion, F* r) {
+  F raw[4];
+  for (int k = 0; k < 4; ++k) raw[k] = LDV(column + (SIM_ROTATION + k) * stride);
+  const F inv_norm = R(1.0) / sqrt(raw[0] * raw[0] + raw[1] * raw[1] + raw[2] * raw[2] + raw[3] * raw[3]);
+  for (int k = 0; k < 4; ++k) quaternion[k] = raw[k] * inv_norm;
+  const F w = quaternion[0], x = quaternion[1], y = quaternion[2], z = quaternion[3];
   r[0] = R(1.0) - R(2.0) * (y * y + z * z);
   r[1] = R(2.0) * (x * y - w * z);
   r[2] = R(2.0) * (x * z + w * y);
@@ -38,6 +44,7 @@ FN void rotation_of(const F* q, F* r) {
   r[6] = R(2.0) * (x * z - w * y);
   r[7] = R(2.0) * (y * z + w * x);
   r[8] = R(1.0) - R(2.0) * (x * x + y * y);
+  return inv_norm;
 }
 
 #endif
