@@ -88,8 +88,8 @@ constexpr void visit_fields(LookOptions& o, F&& field) {
   field("look.least_share",
         o.least_share,
         at_least(0.0),
-        "Share of a picture, over that of an average particle, below which a particle keeps its first colour "
-        "rather than learn another. More: better views beside the path, less detail on it; 0: all learn.");
+        "Share of a picture, over that of an average particle, below which a particle keeps its first colour, "
+        "and below a tenth its place. More: better views beside the path, less detail on it; 0: all learn.");
 }
 
 /// The camera set along the LiDARs' rays: pictures alone leave open how far away what they show is.
