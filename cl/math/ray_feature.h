@@ -2,7 +2,7 @@
 // Build: RAY_SH = 1 for them, then also CLAMPED_CHANNELS (of a camera 3, of a LiDAR the intensity alone); else
 // features are those of the blending record, and nothing is here.
 // ACTOR_IDS = 1: what is seen of a particle is its actor alone (0: none). The first feature is the median distance,
-// which itself becomes the actor of the particle there; the other features mean nothing.
+// which itself becomes the actor of the particle there; the other features mean nothing. ACTORS as actor.h.
 #ifndef SIMULI_CL_MATH_RAY_FEATURE_H
 #define SIMULI_CL_MATH_RAY_FEATURE_H
 #include "math/sh.h"

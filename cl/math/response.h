@@ -1,6 +1,6 @@
 // response.h - what one particle does to V rays. Forward and backward blending include this one text, so
 // that they round alike and agree on who contributes.
-// Build: ORIGINS = 1 when rays have origins of their own (shutter, spin, lever arms).
+// Build: ORIGINS = 1 when rays have origins of their own (shutter, spin, lever arms); ACTOR_MOTION as actor.h.
 #ifndef SIMULI_CL_MATH_RESPONSE_H
 #define SIMULI_CL_MATH_RESPONSE_H
 #include "math/elementary.h"

@@ -56,24 +56,6 @@ bool Coverage::is_empty_around(int column, int row) const {
   return true;
 }
 
-Eigen::Vector3f sample_bilinear(const Image& image, const Eigen::Vector2d& pixel) {
-  const double x = std::clamp(pixel.x() - 0.5, 0.0, image.width - 1.0);
-  const double y = std::clamp(pixel.y() - 0.5, 0.0, image.height - 1.0);
-  const int x0 = static_cast<int>(x);
-  const int y0 = static_cast<int>(y);
-  const int x1 = std::min(x0 + 1, image.width - 1);
-  const int y1 = std::min(y0 + 1, image.height - 1);
-  const auto u = static_cast<float>(x - x0);
-  const auto v = static_cast<float>(y - y0);
-  Eigen::Vector3f colour;
-  for (int c = 0; c < 3; ++c) {
-    const float top = (1.0F - u) * image.at(x0, y0, c) + u * image.at(x1, y0, c);
-    const float bottom = (1.0F - u) * image.at(x0, y1, c) + u * image.at(x1, y1, c);
-    colour(c) = (1.0F - v) * top + v * bottom;
-  }
-  return colour;
-}
-
 ViewCone::ViewCone(const ImageView& view) {
   constexpr double kMargin_rad = 0.02, kMost_rad = 1.5;
   const Camera& camera = view.camera();
@@ -219,7 +201,7 @@ Coverage look_at_points(const ImageView& view,
     const SeenPoint& s = seen[i];
     PointLook& look = looks[s.index];
     if (nearest.hide(s.pixel, s.range_m)) return;
-    const Eigen::Vector3f colour = sample_bilinear(image, s.pixel);
+    const Eigen::Vector3f colour = sample_bilinear<3>(image, s.pixel);
     ++look.images;
     look.colours.extend(colour);
     const auto range_m = static_cast<float>(s.range_m);
@@ -314,7 +296,7 @@ std::vector<FarLook> far_looks(const ImageView& view, const Image& image, const 
         FarLook look;
         view.unproject(pixel, look.origin, look.direction);
         if (look.direction.isZero(0.0) || view.hides(pixel)) return;
-        if (coverage.is_empty_around(column, row)) look.colour = sample_bilinear(image, pixel);
+        if (coverage.is_empty_around(column, row)) look.colour = sample_bilinear<3>(image, pixel);
         of_cell[i] = look;
       },
       kCellsPerThread);

@@ -2,6 +2,7 @@
 // Views of the initialisation: which image sees which point in which colour, and what no point covers.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -136,8 +137,27 @@ std::size_t join_by_footprint(PointSet& points,
                               double finest_m,
                               double pixels);
 
-/// Bilinear colour at a pixel position; the border is continued outwards.
-[[nodiscard]] Eigen::Vector3f sample_bilinear(const Image& image, const Eigen::Vector2d& pixel);
+/// Channels of a picture, bilinear at a pixel position; the border is continued outwards.
+template <int kChannels, class Scalar>
+[[nodiscard]] Eigen::Matrix<float, kChannels, 1> sample_bilinear(const Image& image,
+                                                                 const Eigen::Matrix<Scalar, 2, 1>& pixel) {
+  constexpr auto kHalf = static_cast<Scalar>(0.5);
+  const Scalar x = std::clamp(pixel.x() - kHalf, Scalar{0}, static_cast<Scalar>(image.width - 1));
+  const Scalar y = std::clamp(pixel.y() - kHalf, Scalar{0}, static_cast<Scalar>(image.height - 1));
+  const int x0 = static_cast<int>(x);
+  const int y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, image.width - 1);
+  const int y1 = std::min(y0 + 1, image.height - 1);
+  const auto u = static_cast<float>(x - static_cast<Scalar>(x0));
+  const auto v = static_cast<float>(y - static_cast<Scalar>(y0));
+  Eigen::Matrix<float, kChannels, 1> out;
+  for (int c = 0; c < kChannels; ++c) {
+    const float top = (1.0F - u) * image.at(x0, y0, c) + u * image.at(x1, y0, c);
+    const float bottom = (1.0F - u) * image.at(x0, y1, c) + u * image.at(x1, y1, c);
+    out(c) = (1.0F - v) * top + v * bottom;
+  }
+  return out;
+}
 
 /// All that a picture shows lies within an angle of an axis, seen from a ball that the camera stays in.
 class ViewCone {

@@ -227,7 +227,7 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
             if (nearest.are_seen_through(pixel, range_m)) {
               look.refute();
             } else {
-              look.add(static_cast<float>(range_m), sample_bilinear(image, pixel));
+              look.add(static_cast<float>(range_m), sample_bilinear<3>(image, pixel));
             }
           }
         },

@@ -38,19 +38,6 @@ double distance_of(double step) {
   return 1.0 / (far + (near - far) * (step - 1.0) / (kDistances - 2));
 }
 
-float sample(const Image& grey, const Eigen::Vector2f& at) {
-  const float px = std::clamp(at.x() - 0.5F, 0.0F, static_cast<float>(grey.width - 1));
-  const float py = std::clamp(at.y() - 0.5F, 0.0F, static_cast<float>(grey.height - 1));
-  const int x0 = static_cast<int>(px);
-  const int y0 = static_cast<int>(py);
-  const int x1 = std::min(x0 + 1, grey.width - 1);
-  const int y1 = std::min(y0 + 1, grey.height - 1);
-  const float u = px - static_cast<float>(x0);
-  const float v = py - static_cast<float>(y0);
-  return (1.0F - v) * ((1.0F - u) * grey.at(x0, y0, 0) + u * grey.at(x1, y0, 0)) +
-         v * ((1.0F - u) * grey.at(x0, y1, 0) + u * grey.at(x1, y1, 0));
-}
-
 /// Pixels whose distance is asked for.
 struct Asked {
   static constexpr std::uint32_t kNot = std::numeric_limits<std::uint32_t>::max();
@@ -262,7 +249,8 @@ class Matching {
                           static_cast<float>(y - cell.top) / kLattice_px)
                 : place_in(other, ray_of(x, y), distance_m);
         if (!place) continue;
-        scratch.difference.at(x, y) = std::abs(picture_.grey.at(x, y, 0) - sample(other.grey, *place));
+        scratch.difference.at(x, y) =
+            std::abs(picture_.grey.at(x, y, 0) - sample_bilinear<1>(other.grey, *place)(0));
         scratch.shown.at(x, y) = 1.0F;
       }
     }

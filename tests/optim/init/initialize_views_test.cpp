@@ -151,10 +151,10 @@ TEST(JoinByFootprint, ZeroPixelsJoinNothingInVoxelsOfTheirOwn) {
 TEST(SampleBilinear, PixelCentresAreAtHalves) {
   Image image(2, 1, 3);
   for (int c = 0; c < 3; ++c) image.at(1, 0, c) = 1.0F;
-  EXPECT_FLOAT_EQ(sample_bilinear(image, {0.5, 0.5}).x(), 0.0F);
-  EXPECT_FLOAT_EQ(sample_bilinear(image, {1.0, 0.5}).x(), 0.5F);
-  EXPECT_FLOAT_EQ(sample_bilinear(image, {1.25, 0.2}).y(), 0.75F);
-  EXPECT_FLOAT_EQ(sample_bilinear(image, {2.0, 1.0}).z(), 1.0F);  // the border goes on
+  EXPECT_FLOAT_EQ(sample_bilinear<3>(image, Eigen::Vector2d(0.5, 0.5)).x(), 0.0F);
+  EXPECT_FLOAT_EQ(sample_bilinear<3>(image, Eigen::Vector2d(1.0, 0.5)).x(), 0.5F);
+  EXPECT_FLOAT_EQ(sample_bilinear<3>(image, Eigen::Vector2d(1.25, 0.2)).y(), 0.75F);
+  EXPECT_FLOAT_EQ(sample_bilinear<3>(image, Eigen::Vector2d(2.0, 1.0)).z(), 1.0F);  // the border goes on
 }
 
 TEST(FarShell, CamerasFarAwayAreRefused) {
