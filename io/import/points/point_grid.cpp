@@ -66,8 +66,15 @@ void leave_as_many(std::vector<Placed>& row, std::size_t columns, PointReport& r
   }
 }
 
-/// Adds to values[c] what is known of it at some columns: between them in between, the nearest beyond.
-void spread(const std::vector<int>& columns, const std::vector<double>& off, float* values, int count) {
+/// Adds to values[c] what is known of it at some columns: between them in between, the nearest beyond. Values go round
+/// after `period`: at a sweep's seam one neighbour's time is that of its end, the next one's that of its start, and none
+/// between has one in the middle of it. A single such ray has made all boxes of particles as wide as they are to be for
+/// a whole sweep (model.time_spread).
+void spread(const std::vector<int>& columns,
+            const std::vector<double>& off,
+            double period,
+            float* values,
+            int count) {
   std::size_t next = 0;
   for (int c = 0; c < count; ++c) {
     while (next < columns.size() && columns[next] < c) ++next;
@@ -78,7 +85,8 @@ void spread(const std::vector<int>& columns, const std::vector<double>& off, flo
       shift = off[next];
     } else {
       const double u = static_cast<double>(c - columns[next - 1]) / (columns[next] - columns[next - 1]);
-      shift = (1.0 - u) * off[next - 1] + u * off[next];
+      const double turns = period * std::round((off[next] - off[next - 1]) / period);
+      shift = (1.0 - u) * off[next - 1] + u * (off[next] - turns) + (u < 0.5 ? 0.0 : turns);
     }
     values[c] = static_cast<float>(values[c] + shift);
   }
@@ -174,8 +182,10 @@ Sweep grid_points(const std::vector<MeasuredPoint>& points, const Lidar& lidar, 
       sweep.intensity[ray] = p.point->intensity;
     }
     report.returned += columns.size();
-    spread(columns, azimuth_off, sweep.rays.azimuth.data() + first, lidar.columns);
-    spread(columns, time_off, sweep.rays.time_fraction.data() + first, lidar.columns);
+    const double turn = 2.0 * kPi;
+    spread(columns, azimuth_off, turn, sweep.rays.azimuth.data() + first, lidar.columns);
+    spread(
+        columns, time_off, turn / lidar.azimuth_span, sweep.rays.time_fraction.data() + first, lidar.columns);
   }
   return sweep;
 }

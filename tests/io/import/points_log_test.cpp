@@ -221,6 +221,28 @@ TEST(PointsLog, TablesByNameAndWhatIsOffThem) {
   EXPECT_NEAR(sweep.rays.azimuth[7 * 360 + 200] - lidar.azimuth(7, 200), 0.0, 1e-6);
 }
 
+TEST(PointsLog, RaysAtTheSeamAreOfItsEndOrItsStart) {
+  Lidar lidar = builtin_lidar("velodyne_vlp16");
+  lidar.columns = 360;
+  const auto at = [&](int column, double time) {
+    const double azimuth = lidar.azimuth(5, column);
+    MeasuredPoint point{lidar.origin(5, azimuth) + 20.0 * Lidar::direction(azimuth, lidar.rows[5].elevation),
+                        0.5F};
+    point.row = 5;
+    point.time_fraction = time;
+    return point;
+  };
+  // The unit's head of this row is ahead: its first columns are measured at the sweep's end.
+  PointReport report;
+  const Sweep sweep = grid_points({at(4, 1.002 + 4.5 / 360), at(50, 0.002 + 50.5 / 360)}, lidar, report);
+  EXPECT_EQ(report.returned, 2U);
+  for (std::size_t column = 0; column < 360; ++column) {
+    const double nominal = (static_cast<double>(column) + 0.5) / 360;
+    const double off = static_cast<double>(sweep.rays.time_fraction[5 * 360 + column]) - nominal;
+    EXPECT_NEAR(off, column < 27 ? 1.002 : 0.002, 2e-3) << column;
+  }
+}
+
 TEST(PointsLog, SaysWhatDoesNotFit) {
   const Scratch scratch;
   const Log log = street(scratch);
