@@ -29,7 +29,7 @@ __kernel void actor_pose_sums(const uint actors,
     const uint particle = actor_list[entry];
     if (keys[particle] == 0xffffffffu) continue;
     const real t = moving ? motions[(ulong)particle * SIM_MOTION + SIM_M_TIME] : R(0.5);
-    for (int k = 0; k < SIM_POSE_GRAD; ++k) {
+    SIM_EACH(k, SIM_POSE_GRAD) {
       const real g = pose_grads[(ulong)k * stride + particle];
       sum[k] = fma(R(1.0) - t, g, sum[k]);
       sum[SIM_POSE_GRAD + k] = fma(t, g, sum[SIM_POSE_GRAD + k]);
@@ -50,7 +50,7 @@ __kernel void actor_confine(const uint count,
   if (entry >= count) return;
   const uint particle = actor_list[entry];
   const __global real* bound = bounds + (ulong)actor_of[particle] * 4;
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     __global real* mean = params + (SIM_MEAN + k) * stride + particle;
     *mean = max(min(*mean, bound[k]), -bound[k]);
     __global real* log_scale = params + (SIM_LOG_SCALE + k) * stride + particle;

@@ -65,7 +65,7 @@ __kernel void adam(const uint particles,
   if (column >= particles) return;
   real seen[V];
   uint any_seen = 0;
-  for (uint lane = 0; lane < V; ++lane) {
+  SIM_EACH(lane, V) {
     const uint live = column + lane < particles && (dense || keys[column + lane] != 0xffffffffu);
     seen[lane] = live ? R(1.0) : R(0.0);
     any_seen |= live;
@@ -80,7 +80,7 @@ __kernel void adam(const uint particles,
     F gradient[3], own[3], step[3], deviation[3], q[4], axes[9];
     load_rotation(mine, stride, q, axes);
     F size = (F)R(0.0);
-    for (int k = 0; k < 3; ++k) {
+    SIM_EACH(k, 3) {
       gradient[k] = finite_gradient(grads, k * stride + column, live, &bad);
       const F log_scale = LDV(mine + (SIM_LOG_SCALE + k) * stride);
       deviation[k] = exp_lanes(log_scale);
@@ -89,7 +89,7 @@ __kernel void adam(const uint particles,
     const F share = exp_lanes(R(-0.5) * (size * R(0.33333333333333333) + log(SIM_MEAN_SIZE)));
     rotate_back_lanes(axes, gradient, own);
     const I whole = bad < R(0.5);
-    for (int k = 0; k < 3; ++k) {
+    SIM_EACH(k, 3) {
       own[k] = SEL(whole, own[k], (F)R(0.0));
       const F least = epsilon[k] / deviation[k];
       step[k] = rate[k] * share * deviation[k] *

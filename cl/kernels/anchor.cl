@@ -50,15 +50,15 @@ __kernel void anchor_bounds(
   const uint begin = get_global_id(0) * chunk;
   const uint end = min(begin + chunk, n);
   real low[3], high[3];
-  for (int k = 0; k < 3; ++k) low[k] = SIM_ANCHOR_FAR, high[k] = -SIM_ANCHOR_FAR;
+  SIM_EACH(k, 3) low[k] = SIM_ANCHOR_FAR, high[k] = -SIM_ANCHOR_FAR;
   for (uint i = begin; i < end; ++i) {
     real p[3];
-    for (int k = 0; k < 3; ++k) p[k] = params[(SIM_MEAN + k) * stride + i];
+    SIM_EACH(k, 3) p[k] = params[(SIM_MEAN + k) * stride + i];
     if (!is_finite_point(p[0], p[1], p[2])) continue;
-    for (int k = 0; k < 3; ++k) low[k] = VMIN(low[k], p[k]), high[k] = VMAX(high[k], p[k]);
+    SIM_EACH(k, 3) low[k] = VMIN(low[k], p[k]), high[k] = VMAX(high[k], p[k]);
   }
   __global real* box = boxes + 6 * get_global_id(0);
-  for (int k = 0; k < 3; ++k) box[k] = low[k], box[3 + k] = high[k];
+  SIM_EACH(k, 3) box[k] = low[k], box[3 + k] = high[k];
 }
 
 /// The bits of a 21-bit number three apart.
@@ -85,11 +85,11 @@ __kernel void anchor_keys(__global const real* params,
   if (shift == 0) order[i] = i;
   const uint point = order[i];
   real p[3];
-  for (int k = 0; k < 3; ++k) p[k] = params[(SIM_MEAN + k) * stride + point];
+  SIM_EACH(k, 3) p[k] = params[(SIM_MEAN + k) * stride + point];
   ulong code = ~0UL;
   if (is_finite_point(p[0], p[1], p[2])) {
     code = 0;
-    for (int k = 0; k < 3; ++k) {
+    SIM_EACH(k, 3) {
       const real cell = (p[k] - frame[k]) * frame[3];
       const ulong clamped = cell > R(0.0) ? min((ulong)cell, (ulong)0x1fffff) : 0;
       code |= spread_bits(clamped) << k;
@@ -111,7 +111,7 @@ __kernel void anchor_leaves(__global const real* params,
   const uint leaf = get_global_id(0);
   if (leaf >= leaves) return;
   real low[3], high[3];
-  for (int k = 0; k < 3; ++k) low[k] = SIM_ANCHOR_FAR, high[k] = -SIM_ANCHOR_FAR;
+  SIM_EACH(k, 3) low[k] = SIM_ANCHOR_FAR, high[k] = -SIM_ANCHOR_FAR;
   for (uint lane = 0; lane < SIM_ANCHOR_WIDTH; ++lane) {
     const uint i = leaf * SIM_ANCHOR_WIDTH + lane;
     uint id = SIM_ANCHOR_NONE;
@@ -119,18 +119,18 @@ __kernel void anchor_leaves(__global const real* params,
     if (i < n) {
       const uint point = order[i];
       real q[3];
-      for (int k = 0; k < 3; ++k) q[k] = params[(SIM_MEAN + k) * stride + point];
+      SIM_EACH(k, 3) q[k] = params[(SIM_MEAN + k) * stride + point];
       if (is_finite_point(q[0], q[1], q[2])) {
         id = point;
-        for (int k = 0; k < 3; ++k) p[k] = q[k], low[k] = VMIN(low[k], q[k]), high[k] = VMAX(high[k], q[k]);
+        SIM_EACH(k, 3) p[k] = q[k], low[k] = VMIN(low[k], q[k]), high[k] = VMAX(high[k], q[k]);
       }
     }
     ids[i] = id;
-    for (int k = 0; k < 3; ++k) points[(leaf * 3 + k) * (ulong)SIM_ANCHOR_WIDTH + lane] = p[k];
+    SIM_EACH(k, 3) points[(leaf * 3 + k) * (ulong)SIM_ANCHOR_WIDTH + lane] = p[k];
   }
   __global real* box =
       boxes + (ulong)(leaf / SIM_ANCHOR_WIDTH) * 6 * SIM_ANCHOR_WIDTH + leaf % SIM_ANCHOR_WIDTH;
-  for (int k = 0; k < 3; ++k) box[k * SIM_ANCHOR_WIDTH] = low[k], box[(3 + k) * SIM_ANCHOR_WIDTH] = high[k];
+  SIM_EACH(k, 3) box[k * SIM_ANCHOR_WIDTH] = low[k], box[(3 + k) * SIM_ANCHOR_WIDTH] = high[k];
 }
 
 /// Boxes of the nodes [child_first, child_first + children) as lanes of the level above, at parent_first.
@@ -144,7 +144,7 @@ __kernel void anchor_nodes(__global real* boxes,
   __global const real* from = boxes + (ulong)(child_first + child) * 6 * SIM_ANCHOR_WIDTH;
   __global real* to = boxes + (ulong)(parent_first + child / SIM_ANCHOR_WIDTH) * 6 * SIM_ANCHOR_WIDTH +
                       child % SIM_ANCHOR_WIDTH;
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const R16 low = vload16(k, from), high = vload16(3 + k, from);
     to[k * SIM_ANCHOR_WIDTH] = min16(SEL(low <= SIM_ANCHOR_FAR, low, (R16)SIM_ANCHOR_FAR));
     to[(3 + k) * SIM_ANCHOR_WIDTH] = max16(SEL(high >= -SIM_ANCHOR_FAR, high, (R16)(-SIM_ANCHOR_FAR)));
@@ -156,7 +156,7 @@ __kernel void anchor_nodes(__global real* boxes,
 FN Part box_distances(__global const real* box, const real* p) {
   Part sum = (Part)R(0.0);
   Part empty_low = SIM_ANCHOR_PART(0, box);
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const Part below = SIM_ANCHOR_PART(k, box) - p[k];
     const Part above = p[k] - SIM_ANCHOR_PART(3 + k, box);
     Part outside = SEL(below > above, below, above);
@@ -219,7 +219,7 @@ __kernel SIM_GROUP void anchor_search(__global const real* queries,
   const uint query = get_global_id(0) / LS, lid = get_global_id(0) % LS;
   if (query >= query_count) return;
   real p[3];
-  for (int k = 0; k < 3; ++k) p[k] = queries[(SIM_MEAN + k) * query_stride + query];
+  SIM_EACH(k, 3) p[k] = queries[(SIM_MEAN + k) * query_stride + query];
   const uint own_frame = frame_of(query_actors, query_actor_of, query);
   for (uint k = lid; k < NEIGHBOURS; k += LS) distance[k] = reach2, neighbour[k] = SIM_ANCHOR_NONE;
 
@@ -310,14 +310,14 @@ __kernel void anchor_loss(const uint n,
     if (keys[i] == 0xffffffffu || target == SIM_ANCHOR_NONE) continue;
     const uint own_frame = frame_of(actors, actor_of, i);
     real p[3], away[3];
-    for (int k = 0; k < 3; ++k) p[k] = params[(SIM_MEAN + k) * stride + i];
+    SIM_EACH(k, 3) p[k] = params[(SIM_MEAN + k) * stride + i];
     if (choose) {
       real least = SIM_ANCHOR_FAR;
       __global const uint* list = candidates + (ulong)i * NEIGHBOURS;
       for (uint c = 0; c < NEIGHBOURS && list[c] != SIM_ANCHOR_NONE; ++c) {
         if (frame_of(target_actors, target_actor_of, list[c]) != own_frame) continue;
         real d2 = R(0.0);
-        for (int k = 0; k < 3; ++k) {
+        SIM_EACH(k, 3) {
           const real d = p[k] - targets[(SIM_MEAN + k) * target_stride + list[c]];
           d2 = fma(d, d, d2);
         }
@@ -327,7 +327,7 @@ __kernel void anchor_loss(const uint n,
     }
     if (frame_of(target_actors, target_actor_of, target) != own_frame) continue;
     real d2 = R(0.0);
-    for (int k = 0; k < 3; ++k) {
+    SIM_EACH(k, 3) {
       away[k] = p[k] - targets[(SIM_MEAN + k) * target_stride + target];
       d2 = fma(away[k], away[k], d2);
     }
@@ -336,7 +336,7 @@ __kernel void anchor_loss(const uint n,
     if (!(d2 > R(0.0))) continue;
     const real distance = sqrt(d2);
     sum += distance;
-    for (int k = 0; k < 3; ++k) grads[(SIM_MEAN + k) * stride + i] += weight * away[k] / distance;
+    SIM_EACH(k, 3) grads[(SIM_MEAN + k) * stride + i] += weight * away[k] / distance;
   }
   sums[2 * get_global_id(0)] = sum;
   sums[2 * get_global_id(0) + 1] = count;

@@ -42,10 +42,10 @@ FN bool colour_at(__global const real* picture,
                          slot_of_ray[y1 * width + x0],
                          slot_of_ray[y1 * width + x1]};
   bool known = true;  // loops without a way out: GPUs keep their arrays in registers
-  for (int k = 0; k < 4; ++k) known = known && around[k] >= 0 && picture[around[k]] >= R(0.0);
+  SIM_EACH(k, 4) known = known && around[k] >= 0 && picture[around[k]] >= R(0.0);
   if (!known) return false;
   const real right = u - (real)x0, down = v - (real)y0;
-  for (int c = 0; c < 3; ++c) {
+  SIM_EACH(c, 3) {
     __global const real* from = picture + (ulong)c * slots;
     const real top = fma(right, from[around[1]] - from[around[0]], from[around[0]]);
     const real bottom = fma(right, from[around[3]] - from[around[2]], from[around[2]]);
@@ -79,16 +79,16 @@ __kernel void beside(const FrameParams frame,
   const uint s = frame.slots;
   if (i >= s) return;
   F d[3];
-  for (int k = 0; k < 3; ++k) d[k] = LDV(world_ray + k * s + i);
+  SIM_EACH(k, 3) d[k] = LDV(world_ray + k * s + i);
   const I is_one = is_ray(d[0], d[1], d[2]);
   real colour[V][3], distance[V];
   bool is_asked[V], is_free[V];
-  for (uint lane = 0; lane < V; ++lane) {
+  SIM_EACH(lane, V) {
     distance[lane] = surface_distance(met, s, i + lane);
     is_free[lane] = is_open(met, s, i + lane);
     is_asked[lane] = is_free[lane] || distance[lane] > R(0.0);
     if (is_free[lane]) distance[lane] = SIM_BESIDE_FARTHEST;
-    for (int c = 0; c < 3; ++c) colour[lane][c] = R(-1.0);
+    SIM_EACH(c, 3) colour[lane][c] = R(-1.0);
   }
   Gaussian stands;
   stand_still(&stands);
@@ -98,7 +98,7 @@ __kernel void beside(const FrameParams frame,
     real away[V], column[V], row[V], usable[V];
     const F far = LDV(distance);
     I valid = AND(is_one, far > R(0.0));
-    for (int k = 0; k < 3; ++k) {
+    SIM_EACH(k, 3) {
       p[k] = fma(far, d[k], (F)(now->centre_ref[k] - recorded->centre_ref[k]));
 #if ORIGINS
       p[k] += LDV(world_ray + (3 + k) * s + i);
@@ -112,7 +112,7 @@ __kernel void beside(const FrameParams frame,
     STV(away, sqrt(fma(q[0], q[0], fma(q[1], q[1], q[2] * q[2]))));
     STV(usable, SEL(valid, (F)R(1.0), (F)R(0.0)));
     goes_on = false;
-    for (uint lane = 0; lane < V; ++lane) {
+    SIM_EACH(lane, V) {
       if (!is_asked[lane]) continue;
       const int at = usable[lane] > R(0.0) ? slot_of_ray[(uint)row[lane] * width + (uint)column[lane]] : -1;
       const real there = at < 0 ? R(-1.0) : surface_distance(seen, s, (uint)at);
@@ -124,10 +124,10 @@ __kernel void beside(const FrameParams frame,
         real found[3] = {R(0.0), R(0.0), R(0.0)};
         bool is_known =
             is_it && colour_at(picture, slot_of_ray, s, width, height, column[lane], row[lane], found);
-        for (int c = 0; c < 3; ++c) {
+        SIM_EACH(c, 3) {
           is_known = is_known && (look == 0 || fabs(found[c] - colour[lane][c]) <= SIM_BESIDE_ALIKE);
         }
-        for (int c = 0; c < 3; ++c) {
+        SIM_EACH(c, 3) {
           const real first = look == 0 ? found[c] : colour[lane][c];
           colour[lane][c] = is_known ? first : R(-1.0);
         }
@@ -138,7 +138,7 @@ __kernel void beside(const FrameParams frame,
       distance[lane] = SIM_BESIDE_NEAREST * (real)(SIM_BESIDE_LOOKS - 1) / (real)(look + 1);
     }
   }
-  for (uint lane = 0; lane < V; ++lane) {
-    for (int c = 0; c < 3; ++c) shown[(ulong)c * s + i + lane] = colour[lane][c];
+  SIM_EACH(lane, V) {
+    SIM_EACH(c, 3) shown[(ulong)c * s + i + lane] = colour[lane][c];
   }
 }

@@ -115,7 +115,7 @@ __kernel SIM_GROUP void instance_emit(const FrameParams frame,
       const uint row1 = min(row_last + 1, tile_rows[ty + 1]) - 1 - top;
       const uint packed = particle | row0 * frame.row_slots << SIM_PARTICLE_BITS |
                           ((row1 + 1) * frame.row_slots - 1) << (SIM_PARTICLE_BITS + 4);
-      for (int part = 0; part < 2; ++part) {
+      SIM_EACH(part, 2) {
         const uint columns = part == 0 ? f.columns : f.others;
         const uint begin = ty * frame.tiles_x + SIM_LOW(columns);
         for (uint k = 0; k < SIM_HIGH(columns); ++k) {

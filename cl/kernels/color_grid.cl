@@ -27,5 +27,5 @@ __kernel void color_grid(const FrameParams frame,
   grid_slice(grid + first, cx, cy, fx, fy, rgb, &slice);
   real graded[3];
   grid_apply(slice.transform, rgb, graded);
-  for (uint c = 0; c < 3; ++c) picture[c * s + i] = graded[c];
+  SIM_EACH(c, 3) picture[c * s + i] = graded[c];
 }

@@ -21,15 +21,15 @@ __kernel void deform(const uint count,
   if (at != 0xffffffffu) {
     __global const real* shape = deform_shapes + at;
     real p[3];
-    for (int k = 0; k < 3; ++k) p[k] = params[(ulong)(SIM_MEAN + k) * stride + particle];
+    SIM_EACH(k, 3) p[k] = params[(ulong)(SIM_MEAN + k) * stride + particle];
     DeformCell cell;
     deform_cell(shape, p, &cell);
-    for (uint corner = 0; corner < 8; ++corner) {
+    SIM_EACH(corner, 8) {
       const real weight =
           deform_share(&cell, corner, 0) * deform_share(&cell, corner, 1) * deform_share(&cell, corner, 2);
       __global const real* node = shape + SIM_D_HEADER + 3 * deform_node(&cell, corner);
-      for (int k = 0; k < 3; ++k) offset[k] = fma(weight, node[k], offset[k]);
+      SIM_EACH(k, 3) offset[k] = fma(weight, node[k], offset[k]);
     }
   }
-  for (int k = 0; k < 3; ++k) deform_offset[(ulong)k * stride + particle] = offset[k];
+  SIM_EACH(k, 3) deform_offset[(ulong)k * stride + particle] = offset[k];
 }

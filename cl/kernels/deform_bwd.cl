@@ -68,14 +68,14 @@ __kernel void deform_means(const uint count,
   if (at == 0xffffffffu || keys[particle] == 0xffffffffu) return;
   __global const real* shape = deform_shapes + at;
   real p[3], gradient[3], by_mean[3];
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     p[k] = params[(ulong)(SIM_MEAN + k) * stride + particle];
     gradient[k] = param_grads[(ulong)(SIM_MEAN + k) * stride + particle];
     by_mean[k] = gradient[k];
   }
   DeformCell cell;
   deform_cell(shape, p, &cell);
-  for (uint corner = 0; corner < 8; ++corner) {
+  SIM_EACH(corner, 8) {
     __global const real* node = shape + SIM_D_HEADER + 3 * deform_node(&cell, corner);
     const real along = node[0] * gradient[0] + node[1] * gradient[1] + node[2] * gradient[2];
     const real x = deform_share(&cell, corner, 0), y = deform_share(&cell, corner, 1),
@@ -84,5 +84,5 @@ __kernel void deform_means(const uint count,
     by_mean[1] = fma((corner >> 1 & 1u ? along : -along) * cell.slope[1], x * z, by_mean[1]);
     by_mean[2] = fma((corner >> 2 & 1u ? along : -along) * cell.slope[2], x * y, by_mean[2]);
   }
-  for (int k = 0; k < 3; ++k) param_grads[(ulong)(SIM_MEAN + k) * stride + particle] = by_mean[k];
+  SIM_EACH(k, 3) param_grads[(ulong)(SIM_MEAN + k) * stride + particle] = by_mean[k];
 }

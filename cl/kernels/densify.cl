@@ -22,7 +22,7 @@ __kernel void pixel_error(const uint slots,
       (world_ray[i] != R(0.0) || world_ray[slots + i] != R(0.0) || world_ray[2 * slots + i] != R(0.0)) &&
       truth[i] >= R(0.0);
   real sum = R(0.0);
-  for (uint c = 0; c < 3; ++c) sum += fabs(picture[c * slots + i] - truth[c * slots + i]);
+  SIM_EACH(c, 3) sum += fabs(picture[c * slots + i] - truth[c * slots + i]);
   error[i] = known && sum < R(1e30) ? sum * R(0.333333333333333333) : R(0.0);
 }
 
@@ -265,12 +265,12 @@ __kernel void jitter_means(const uint n,
   if (!(gate > R(1e-6))) return;
   real normal[3], along[3], q[4], length2 = R(0.0);
   normals_of(philox(seed_low, seed_high, i, iteration, RANDOM_NOISE, set), normal);
-  for (int k = 0; k < 4; ++k) {
+  SIM_EACH(k, 4) {
     q[k] = params[(SIM_ROTATION + k) * stride + i];
     length2 += q[k] * q[k];
   }
   if (!(length2 > R(0.0))) return;
-  for (int k = 0; k < 4; ++k) q[k] /= sqrt(length2);
+  SIM_EACH(k, 4) q[k] /= sqrt(length2);
   const real w = q[0], x = q[1], y = q[2], z = q[3];
   const real rotation[9] = {R(1.0) - R(2.0) * (y * y + z * z),
                             R(2.0) * (x * y - w * z),
@@ -281,11 +281,11 @@ __kernel void jitter_means(const uint n,
                             R(2.0) * (x * z - w * y),
                             R(2.0) * (y * z + w * x),
                             R(1.0) - R(2.0) * (x * x + y * y)};
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const real s = exp(params[(SIM_LOG_SCALE + k) * stride + i]);
     along[k] = s * s * (rotation[k] * normal[0] + rotation[3 + k] * normal[1] + rotation[6 + k] * normal[2]);
   }
-  for (int c = 0; c < 3; ++c) {
+  SIM_EACH(c, 3) {
     const real step =
         rotation[3 * c] * along[0] + rotation[3 * c + 1] * along[1] + rotation[3 * c + 2] * along[2];
     const real moved = fma(strength * gate, step, params[(SIM_MEAN + c) * stride + i]);

@@ -26,7 +26,7 @@ __kernel void environment(const FrameParams frame,
   real px[V], py[V], colour[3 * V];
   STV(px, x);
   STV(py, y);
-  for (uint lane = 0; lane < V; ++lane) {
+  SIM_EACH(lane, V) {
     const EnvironmentTexels t = environment_texels(px[lane], py[lane], width, height);
     const __global real* above = texture + 4 * (ulong)(t.row * width);
     const __global real* below = above + 4 * width;
@@ -40,5 +40,5 @@ __kernel void environment(const FrameParams frame,
     colour[2 * V + lane] = here.s2;
   }
   const F share = SEL(open, left, (F)R(0.0));
-  for (uint c = 0; c < 3; ++c) STV(out + c * s + i, fma(share, LDV(colour + c * V), LDV(out + c * s + i)));
+  SIM_EACH(c, 3) STV(out + c * s + i, fma(share, LDV(colour + c * V), LDV(out + c * s + i)));
 }

@@ -27,7 +27,7 @@ __kernel void environment_cells(const FrameParams frame,
   STV(px, x);
   STV(py, y);
   STV(shows, SEL(open, (F)R(1.0), (F)R(0.0)));
-  for (uint lane = 0; lane < V; ++lane) {
+  SIM_EACH(lane, V) {
     const EnvironmentTexels t = environment_texels(px[lane], py[lane], width, height);
     cell[i + lane] = shows[lane] > R(0.5) ? t.row * width + t.column : width * height;
     slot[i + lane] = i + lane;

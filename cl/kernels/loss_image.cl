@@ -32,7 +32,7 @@ __kernel SIM_GROUP void loss_image(const FrameParams frame,
     const uint i = tile * frame.tile_rays + j;
     const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
     const I real_pixel = AND(is_ray(x, y, z), LDV(truth + i) >= R(0.0));
-    for (int c = 0; c < 3; ++c) {
+    SIM_EACH(c, 3) {
       const F difference = SEL(real_pixel, LDV(picture + c * s + i) - LDV(truth + c * s + i), (F)R(0.0));
       absolute += fabs(difference);
       squared = fma(difference, difference, squared);

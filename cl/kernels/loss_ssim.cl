@@ -76,7 +76,7 @@ __kernel void ssim_moments(const FrameParams frame,
   for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     F sum[6];
-    for (int m = 0; m < 6; ++m) sum[m] = (F)R(0.0);
+    SIM_EACH(m, 6) sum[m] = (F)R(0.0);
     for (uint k = 0; k < SIM_SSIM_TAPS; ++k) {
       __global const real* at = planes + pixel + k - SIM_SSIM_RADIUS;
       const F w = (F)window[k];
@@ -89,7 +89,7 @@ __kernel void ssim_moments(const FrameParams frame,
       sum[4] = fma(wy, y, sum[4]);
       sum[5] = fma(wx, y, sum[5]);
     }
-    for (int m = 0; m < 6; ++m) STV(moments + m * strip.size + pixel, sum[m]);
+    SIM_EACH(m, 6) STV(moments + m * strip.size + pixel, sum[m]);
   }
 }
 
@@ -111,8 +111,9 @@ __kernel void ssim_windows(const FrameParams frame,
     const uint pixel = strip.pixel + row * strip.stride;
     const I known = LDV(planes + pixel) > R(0.5);
     F m[6];
-    for (int k = 0; k < 6; ++k) m[k] = window_sum(moments + k * strip.size + pixel, window, strip.stride);
+    SIM_EACH(k, 6) m[k] = window_sum(moments + k * strip.size + pixel, window, strip.stride);
     const F inv_weight = R(1.0) / SEL(known, m[0], (F)R(1.0));
+#pragma unroll
     for (int k = 1; k < 6; ++k) m[k] *= inv_weight;
     const F mean_product = m[1] * m[2];
     const F mean_squares = fma(m[1], m[1], m[2] * m[2]);
@@ -142,7 +143,7 @@ __kernel void ssim_slope_rows(const FrameParams frame,
   if (!find_strip(&frame, &strip)) return;
   for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
-    for (int k = 0; k < 3; ++k) {
+    SIM_EACH(k, 3) {
       const uint at = k * strip.size + pixel;
       STV(slope_rows + at, window_sum(slopes + at, window, 1));
     }
@@ -162,7 +163,7 @@ __kernel void ssim_gradient(const FrameParams frame,
   for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     F g[3];
-    for (int k = 0; k < 3; ++k) g[k] = window_sum(slope_rows + k * strip.size + pixel, window, strip.stride);
+    SIM_EACH(k, 3) g[k] = window_sum(slope_rows + k * strip.size + pixel, window, strip.stride);
     const F x = LDV(planes + strip.size + pixel), y = LDV(planes + 2 * strip.size + pixel);
     const F gradient = fma(x, R(2.0) * g[1], fma(y, g[2], g[0]));
     __global real* slot = grad_picture + channel * frame.slots + strip.slot + row * SIM_SLOT_ROW;

@@ -49,14 +49,15 @@ __kernel void picture_bytes(const uint width,
   for (uint k = 1; k < count; ++k) is_run &= slot_of_ray[first + k] == slot_of_ray[first] + (int)k;
   if (is_run && pixel_step == 1) {
     __global const real* from = shown + slot_of_ray[first];
-    for (uint c = 0; c < 3; ++c) {
+    SIM_EACH(c, 3) {
       const Bytes converted = bytes_of(LDV(from + c * slots));
       STV(bytes + first + c * channel_step, converted);
     }
     return;
   }
-  for (uint c = 0; c < 3; ++c) {
+  SIM_EACH(c, 3) {
     real values[V];
+#pragma unroll
     for (uint k = 0; k < V; ++k) {
       const int slot = k < count ? slot_of_ray[first + k] : -1;
       values[k] = slot < 0 ? background[c] : shown[c * slots + (uint)slot];

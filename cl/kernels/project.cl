@@ -46,7 +46,7 @@ FN I may_be_seen(const FrameParams* frame,
   if (g->actor.any) visible = AND(visible, g->actor.there > R(0.0));
 #endif
   visible = AND(visible, AND(g->inv_norm > R(1e-18), g->inv_norm < R(1e18)));
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     visible = AND(visible, fabs(LDV(params + (SIM_LOG_SCALE + k) * frame->stride + i)) < R(80.0));
   }
   const F far = sensor->model.t_max + origin_reach(frame, sensor);
@@ -96,6 +96,7 @@ FN void bounds_of(const FrameParams* frame,
 FN void put_record(const BlendMatrix* b, const Bounds* box, F qmax, real* out) {
   STV(out, b->a[0]);
   STV(out + V, b->a[1]);
+#pragma unroll
   for (int k = 2; k < 8; ++k) STV(out + k * V, b->a[k + 1]);
   STV(out + SIM_R_RADIUS2 * V, b->radius2);
   STV(out + SIM_R_QMAX * V, qmax);
@@ -109,7 +110,7 @@ FN void put_record(const BlendMatrix* b, const Bounds* box, F qmax, real* out) {
 FN void put_motion(
     const Gaussian* g, const Bounds* box, const F* velocity, F own_time, real* out, real* motion) {
   STV(out + SIM_R_BOX_HALF * V, SEL(g->actor.on, -VMAX(box->half_x, (F)R(1e-30)), box->half_x));
-  for (int k = 0; k < 3; ++k) STV(motion + (SIM_M_VELOCITY + k) * V, velocity[k]);
+  SIM_EACH(k, 3) STV(motion + (SIM_M_VELOCITY + k) * V, velocity[k]);
   STV(motion + SIM_M_TIME * V, own_time);
 }
 #endif
@@ -126,9 +127,9 @@ FN I features_of(
   F basis[SH_COEFFICIENTS];
   sh_basis(towards[0], towards[1], towards[2], basis);
   I usable = (F)R(0.0) == (F)R(0.0);
-  for (int channel = 0; channel < 3; ++channel) {
+  SIM_EACH(channel, 3) {
     F sum = (F)R(0.0);
-    for (int k = 0; k < SH_COEFFICIENTS; ++k) {
+    SIM_EACH(k, SH_COEFFICIENTS) {
       sum = fma(basis[k], SH_LANES(params, frame->stride, k, channel, i), sum);
     }
     usable = AND(usable, fabs(sum) < R(1e20));

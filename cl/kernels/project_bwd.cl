@@ -56,15 +56,16 @@ __kernel void project_bwd(const FrameParams frame,
   real feature[3 * V];
   real seen[V];
   uint any_seen = 0;
+#pragma unroll
   for (uint lane = 0; lane < V; ++lane) {
     REAL_VECTOR(16) sum = (REAL_VECTOR(16))(R(0.0));
     seen[lane] = R(0.0);
-    for (int c = 0; c < 3; ++c) feature[c * V + lane] = R(0.0);
+    SIM_EACH(c, 3) feature[c * V + lane] = R(0.0);
     if (lane < lanes && keys[i + lane] != 0xffffffffu) {
       const uint count = SIM_TILES(footprints[i + lane]);
       const __global real* slot = grads + (ulong)slot_first[i + lane] * SIM_GRAD;
       for (uint k = 0; k < count; ++k) sum += vload16(k, slot);
-      for (int c = 0; c < 3; ++c) {
+      SIM_EACH(c, 3) {
         feature[c * V + lane] = records[(ulong)(i + lane) * SIM_RECORD + SIM_R_FEATURE + c];
       }
       seen[lane] = R(1.0);
@@ -75,7 +76,7 @@ __kernel void project_bwd(const FrameParams frame,
 #else
     real row[SIM_GRAD];
     vstore16(sum, 0, row);
-    for (int k = 0; k < SIM_GRAD; ++k) summed[k * V + lane] = row[k];
+    SIM_EACH(k, SIM_GRAD) summed[k * V + lane] = row[k];
 #endif
   }
 #if V == 16
@@ -92,7 +93,7 @@ __kernel void project_bwd(const FrameParams frame,
 #if ACTOR_MOTION
   const Gaussian half_way = g;
   real time[V];
-  for (uint lane = 0; lane < V; ++lane) {
+  SIM_EACH(lane, V) {
     time[lane] =
         g.actor.any && seen[lane] > R(0.5) ? motions[(ulong)(i + lane) * SIM_MOTION + SIM_M_TIME] : R(0.5);
   }
@@ -106,17 +107,17 @@ __kernel void project_bwd(const FrameParams frame,
 
   // Back through A = Q M / r and o' = -Q M offset / r with Q held: any fixed rotation leaves q and tau.
   F go[3], in[3], gm[9];
-  for (int k = 0; k < 3; ++k) in[k] = LDV(summed + (SIM_G_ORIGIN + k) * V);
+  SIM_EACH(k, 3) in[k] = LDV(summed + (SIM_G_ORIGIN + k) * V);
   unreflect(&b, in, go);
-  for (int c = 0; c < 3; ++c) {
+  SIM_EACH(c, 3) {
     F column[3];
-    for (int k = 0; k < 3; ++k) in[k] = LDV(summed + (SIM_G_MATRIX + 3 * k + c) * V);
+    SIM_EACH(k, 3) in[k] = LDV(summed + (SIM_G_MATRIX + 3 * k + c) * V);
     unreflect(&b, in, column);
     // o_g = -M offset.
-    for (int k = 0; k < 3; ++k) gm[3 * k + c] = fma(-go[k], g.offset[c], column[k]);
+    SIM_EACH(k, 3) gm[3 * k + c] = fma(-go[k], g.offset[c], column[k]);
   }
   F g_mean[3];
-  for (int c = 0; c < 3; ++c) {
+  SIM_EACH(c, 3) {
     g_mean[c] = -(b.m[c] * go[0] + b.m[3 + c] * go[1] + b.m[6 + c] * go[2]);
   }
 #if ACTOR_MOTION
@@ -133,24 +134,24 @@ __kernel void project_bwd(const FrameParams frame,
 
   // M = diag(1/s^) R^T; s^ = sqrt(s^2 + kappa range^2).
   F gr[9], g_log_scale[3];
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const F inv = R(1.0) / g.filtered[k];
     F along = (F)R(0.0);
-    for (int c = 0; c < 3; ++c) {
+    SIM_EACH(c, 3) {
       along = fma(gm[3 * k + c], b.m[3 * k + c], along);
       gr[3 * c + k] = gm[3 * k + c] * inv;
     }
     const F g_filtered = -along * inv;
     g_log_scale[k] = g_filtered * g.scale[k] * g.scale[k] * inv;
     const F by_range = g_filtered * inv * sensor->model.kappa;
-    for (int c = 0; c < 3; ++c) g_mean[c] = fma(by_range, g.offset[c], g_mean[c]);
+    SIM_EACH(c, 3) g_mean[c] = fma(by_range, g.offset[c], g_mean[c]);
   }
 #if ACTOR_MOTION
   for (int k = 0; k < 3 && g.actor.any; ++k) {
     const F column[3] = {gr[k], gr[3 + k], gr[6 + k]};
     F turned[3];
     rotate_back_lanes(turn, column, turned);
-    for (int c = 0; c < 3; ++c) gr[3 * c + k] = turned[c];
+    SIM_EACH(c, 3) gr[3 * c + k] = turned[c];
   }
 #endif
 
@@ -161,30 +162,30 @@ __kernel void project_bwd(const FrameParams frame,
   compensation_gradient(
       &g, &kept, LDV(summed + SIM_G_OPACITY * V), sensor->model.kappa, gr, g_log_scale, g_mean);
 #endif
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     STV(param_grads + (SIM_LOG_SCALE + k) * stride + i, SEL(live, g_log_scale[k], (F)R(0.0)));
   }
 #if ACTORS
   F g_turn[3];
   if (g.actor.any) {
     // A turn of the actor turns the particle's axes ...
-    for (int k = 0; k < 3; ++k) g_turn[k] = (F)R(0.0);
-    for (int axis = 0; axis < 3; ++axis) {
+    SIM_EACH(k, 3) g_turn[k] = (F)R(0.0);
+    SIM_EACH(axis, 3) {
       const F r[3] = {g.rotation[axis], g.rotation[3 + axis], g.rotation[6 + axis]};
       const F gradient[3] = {gr[axis], gr[3 + axis], gr[6 + axis]};
       F torque[3];
       cross_lanes(r, gradient, torque);
-      for (int k = 0; k < 3; ++k) g_turn[k] += torque[k];
+      SIM_EACH(k, 3) g_turn[k] += torque[k];
     }
     // ... and R = R_actor R(q).
     F back[9];
-    for (int axis = 0; axis < 3; ++axis) {
+    SIM_EACH(axis, 3) {
       const F gradient[3] = {gr[axis], gr[3 + axis], gr[6 + axis]};
       F own[3];
       rotate_back_lanes(g.actor.rotation, gradient, own);
-      for (int k = 0; k < 3; ++k) back[3 * k + axis] = own[k];
+      SIM_EACH(k, 3) back[3 * k + axis] = own[k];
     }
-    for (int k = 0; k < 9; ++k) gr[k] = back[k];
+    SIM_EACH(k, 9) gr[k] = back[k];
   }
 #endif
 
@@ -199,7 +200,7 @@ __kernel void project_bwd(const FrameParams frame,
   gq[3] = R(2.0) *
           (w * (gr[3] - gr[1]) + x * (gr[2] + gr[6]) + y * (gr[5] + gr[7]) - R(2.0) * z * (gr[0] + gr[4]));
   const F radial = gq[0] * w + gq[1] * x + gq[2] * y + gq[3] * z;
-  for (int k = 0; k < 4; ++k) {
+  SIM_EACH(k, 4) {
     const F value = (gq[k] - radial * g.quaternion[k]) * g.inv_norm;
     STV(param_grads + (SIM_ROTATION + k) * stride + i, SEL(live, value, (F)R(0.0)));
   }
@@ -216,11 +217,11 @@ __kernel void project_bwd(const FrameParams frame,
   F towards[3];
   view_direction(&g, towards);
   sh_basis(towards[0], towards[1], towards[2], basis);
-  for (int k = 0; k < SH_COEFFICIENTS; ++k) weight[k] = (F)R(0.0);
-  for (int channel = 0; channel < 3; ++channel) {
+  SIM_EACH(k, SH_COEFFICIENTS) weight[k] = (F)R(0.0);
+  SIM_EACH(channel, 3) {
     F gf = SEL(live, LDV(summed + (SIM_G_FEATURE + channel) * V), (F)R(0.0));
     if (CLAMPED_CHANNELS > channel) gf = SEL(LDV(feature + channel * V) > R(0.0), gf, (F)R(0.0));
-    for (int k = 0; k < SH_COEFFICIENTS; ++k) {
+    SIM_EACH(k, SH_COEFFICIENTS) {
       const uint row = (SIM_SH + 3 * k + channel) * stride + i;
       weight[k] = fma(gf, LDV(params + row), weight[k]);
       STV(param_grads + row, SEL(live, gf * basis[k], (F)R(0.0)));  // a culled particle's basis may be NaN
@@ -238,7 +239,7 @@ __kernel void project_bwd(const FrameParams frame,
     rotate_lanes(g.actor.rotation, own, gd);
     F torque[3];
     cross_lanes(gd, direction, torque);  // the direction turns the other way in the actor's frame
-    for (int k = 0; k < 3; ++k) g_turn[k] += torque[k];
+    SIM_EACH(k, 3) g_turn[k] += torque[k];
   }
 #endif
   const F out = gd[0] * dx + gd[1] * dy + gd[2] * dz;
@@ -249,16 +250,16 @@ __kernel void project_bwd(const FrameParams frame,
 #if ACTORS
   if (g.actor.any) {
     F arm[3], shift[3], torque[3];
-    for (int k = 0; k < 3; ++k) arm[k] = g.offset[k] - g.actor.centre[k];
+    SIM_EACH(k, 3) arm[k] = g.offset[k] - g.actor.centre[k];
     cross_lanes(arm, g_mean, torque);
-    for (int k = 0; k < 3; ++k) g_turn[k] += torque[k], shift[k] = g_mean[k];
+    SIM_EACH(k, 3) g_turn[k] += torque[k], shift[k] = g_mean[k];
 #if ACTOR_MOTION
     const F about[3] = {g_turn[0], g_turn[1], g_turn[2]};
     rotate_lanes(turn, g_mean, shift);
     rotate_lanes(turn, about, g_turn);
 #endif
     const I counts = AND(live, g.actor.on);
-    for (int k = 0; k < 3; ++k) {
+    SIM_EACH(k, 3) {
       STV(pose_grads + (SIM_P_SHIFT + k) * stride + i, SEL(counts, shift[k], (F)R(0.0)));
       STV(pose_grads + (SIM_P_TURN + k) * stride + i, SEL(counts, g_turn[k], (F)R(0.0)));
     }
@@ -266,7 +267,7 @@ __kernel void project_bwd(const FrameParams frame,
     rotate_back_lanes(g.actor.rotation, in_scene, g_mean);
   }
 #endif
-  for (int c = 0; c < 3; ++c) {
+  SIM_EACH(c, 3) {
     STV(param_grads + (SIM_MEAN + c) * stride + i, SEL(live, g_mean[c], (F)R(0.0)));
   }
 }

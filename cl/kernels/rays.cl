@@ -15,19 +15,19 @@ __kernel void rays(const FrameParams frame,
   if (i >= frame.slots) return;
   const uint s = frame.slots;
   F d[3], world[3];
-  for (int k = 0; k < 3; ++k) d[k] = LDV(sensor_ray + k * s + i);
+  SIM_EACH(k, 3) d[k] = LDV(sensor_ray + k * s + i);
 #if ORIGINS
   F o[3];
-  for (int k = 0; k < 3; ++k) o[k] = LDV(sensor_ray + (3 + k) * s + i);
+  SIM_EACH(k, 3) o[k] = LDV(sensor_ray + (3 + k) * s + i);
   const F t = LDV(sensor_ray + 6 * s + i);
 #else
   const F t = (F)R(0.5);
 #endif
   world_from_sensor_vector(sensor, d, t, world);
-  for (int k = 0; k < 3; ++k) STV(world_ray + k * s + i, world[k]);
+  SIM_EACH(k, 3) STV(world_ray + k * s + i, world[k]);
 #if ORIGINS
   world_from_sensor_vector(sensor, o, t, world);
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
 #if MOVING
     world[k] += sensor->centre_step[k] * (t - R(0.5));
 #endif

@@ -146,7 +146,7 @@ __kernel SIM_GROUP void render_bwd(const FrameParams frame,
     Instance at;
     load_instance(&tile, i - tile.begin, &at);
     Sums sums;
-    for (int k = 0; k < SIM_GRAD; ++k) sums.grad[k] = (F)R(0.0);
+    SIM_EACH(k, SIM_GRAD) sums.grad[k] = (F)R(0.0);
     sums.error = (F)R(0.0);
     add_instance(&tile, &at, &alive, &b, &sums);
     const ulong slot = gradient_slot(&map, at.particle);
@@ -154,7 +154,7 @@ __kernel SIM_GROUP void render_bwd(const FrameParams frame,
 #if V == 16
     vstore16(hsum16_each(sums.grad), 0, target);
 #else
-    for (int k = 0; k < SIM_GRAD; ++k) target[k] = HSUM(sums.grad[k]);
+    SIM_EACH(k, SIM_GRAD) target[k] = HSUM(sums.grad[k]);
 #endif
     if (ERRORS) instance_error[slot] = HSUM(sums.error);
   }

@@ -23,7 +23,7 @@ __kernel void add_shown(const uint particles,
   if (column >= particles) return;
   real shown[V], stood[V];
   uint any_shown = 0;
-  for (uint lane = 0; lane < V; ++lane) {
+  SIM_EACH(lane, V) {
     const uint i = min(column + lane, particles - 1);
     const uint is_shown = column + lane < particles && from_keys[i] != 0xffffffffu;
     shown[lane] = is_shown ? R(1.0) : R(0.0);
@@ -39,7 +39,7 @@ __kernel void add_shown(const uint particles,
     STV(sum + to, SEL(is_shown, SEL(has_stood, old + more, more), old));
   }
   if (!mark) return;
-  for (uint lane = 0; lane < V; ++lane) {
+  SIM_EACH(lane, V) {
     if (shown[lane] > R(0.5)) keys[column + lane] = 0;
   }
 }

@@ -49,8 +49,7 @@ FN void order_tile(const uint* own,
                    __local uint* sums) {
   const uint lid = get_local_id(0);
   for (uint d = 0; d < SIM_SORT_NIBBLES; ++d) count[d * LS + lid] = 0;
-#pragma unroll
-  for (uint j = 0; j < SIM_SORT_OWN; ++j) ++count[(own[j] >> shift & (SIM_SORT_NIBBLES - 1)) * LS + lid];
+  SIM_EACH(j, SIM_SORT_OWN) ++count[(own[j] >> shift & (SIM_SORT_NIBBLES - 1)) * LS + lid];
   barrier(CLK_LOCAL_MEM_FENCE);
   // Counters by digit, then by work-item: each work-item adds up SIM_SORT_NIBBLES that follow each other.
   uint sum = 0, total;
@@ -62,8 +61,7 @@ FN void order_tile(const uint* own,
     before += here;
   }
   barrier(CLK_LOCAL_MEM_FENCE);
-#pragma unroll
-  for (uint j = 0; j < SIM_SORT_OWN; ++j) {
+  SIM_EACH(j, SIM_SORT_OWN) {
     const uint to = count[(own[j] >> shift & (SIM_SORT_NIBBLES - 1)) * LS + lid]++;
     keys[to] = own[j];
     from[to] = (ushort)place[j];
@@ -98,14 +96,12 @@ __kernel SIM_GROUP void radix_scatter(__global const uint* keys,
     uint own[SIM_SORT_OWN], place[SIM_SORT_OWN];
     for (uint i = lid; i < SIM_SORT_TILE; i += LS) tile_keys[i] = i < here ? keys[tile + i] : 0xffffffffu;
     barrier(CLK_LOCAL_MEM_FENCE);
-#pragma unroll
-    for (uint j = 0; j < SIM_SORT_OWN; ++j) {
+    SIM_EACH(j, SIM_SORT_OWN) {
       place[j] = SIM_SORT_OWN * lid + j;
       own[j] = tile_keys[place[j]];
     }
     order_tile(own, place, shift, tile_keys, tile_from, count, sums);
-#pragma unroll
-    for (uint j = 0; j < SIM_SORT_OWN; ++j) {
+    SIM_EACH(j, SIM_SORT_OWN) {
       own[j] = tile_keys[SIM_SORT_OWN * lid + j];
       place[j] = tile_from[SIM_SORT_OWN * lid + j];
     }

@@ -25,20 +25,19 @@ FN int has_ray(__global const real* sensor_ray, uint s, uint slot) {
 /// What each run's telling slot has.
 FN F of_runs(__global const real* from, const uint* telling) {
   real each[V];
-#pragma unroll
-  for (uint lane = 0; lane < V; ++lane) each[lane] = from[telling[lane]];
+  SIM_EACH(lane, V) each[lane] = from[telling[lane]];
   return LDV(each);
 }
 
 FN void turn(__global const real* rotation, const F* v, F* out) {
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     out[k] = fma(v[0], (F)rotation[3 * k], fma(v[1], (F)rotation[3 * k + 1], v[2] * rotation[3 * k + 2]));
   }
 }
 
 FN void transform(__global const SupportPose* pose, const F* p, F* out) {
   __global const real* rotation = pose->rotation;
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const F rest = fma(p[2], (F)rotation[3 * k + 2], (F)pose->translation[k]);
     out[k] = fma(p[0], (F)rotation[3 * k], fma(p[1], (F)rotation[3 * k + 1], rest));
   }
@@ -64,7 +63,7 @@ FN void look(__global const SupportView* view,
              F range,
              Told* told) {
   F from_view[3], y[3];
-  for (int k = 0; k < 3; ++k) from_view[k] = p[k] - view->position[k];
+  SIM_EACH(k, 3) from_view[k] = p[k] - view->position[k];
   turn(view->rotation, from_view, y);
   const F flat2 = fma(y[0], y[0], y[1] * y[1]);
   const F flat = VMAX(sqrt(flat2), (F)R(1e-9));
@@ -85,8 +84,7 @@ FN void look(__global const SupportView* view,
   real lo[V], hi[V], of_cell[V];
   int cell[V];
   STV(cell, TO_INTS(SEL(seen, row, (F)R(0.0))) * (int)grid->columns + TO_INTS(SEL(seen, column, (F)R(0.0))));
-#pragma unroll
-  for (uint lane = 0; lane < V; ++lane) {
+  SIM_EACH(lane, V) {
     const REAL_VECTOR(4) c = vload4((uint)grid->first_cell + cell[lane], cells);
     lo[lane] = c.s0;
     hi[lane] = c.s1;
@@ -152,38 +150,37 @@ __kernel void support(const FrameParams frame,
   const uint begin = SIM_SLOT_OF_RUN(first_run, stack);
   F ray[3], origin[3], from[3], to[3], d[3], p[3];
   uint telling[V];
-#pragma unroll
-  for (uint lane = 0; lane < V; ++lane) {
+  SIM_EACH(lane, V) {
     // The last run again where there are no more.
     const uint run = min(first_run + lane, runs - 1);
     telling[lane] = SIM_SLOT_OF_RUN(run, stack) + stack / 2 * SIM_SLOT_ROW + SIM_TELLING;
   }
-  for (int k = 0; k < 3; ++k) ray[k] = of_runs(sensor_ray + k * s, telling);
+  SIM_EACH(k, 3) ray[k] = of_runs(sensor_ray + k * s, telling);
   I is_one = is_ray(ray[0], ray[1], ray[2]);
   if (ANY(NOT(is_one))) {
-    for (uint lane = 0; lane < V; ++lane) {
+    SIM_EACH(lane, V) {
       const uint run = SIM_SLOT_OF_RUN(min(first_run + lane, runs - 1), stack);
       for (uint k = 0; k < SIM_SUPPORT_RUN * stack && !has_ray(sensor_ray, s, telling[lane]); ++k) {
         telling[lane] = run + k / SIM_SUPPORT_RUN * SIM_SLOT_ROW + k % SIM_SUPPORT_RUN;
       }
     }
-    for (int k = 0; k < 3; ++k) ray[k] = of_runs(sensor_ray + k * s, telling);
+    SIM_EACH(k, 3) ray[k] = of_runs(sensor_ray + k * s, telling);
     is_one = is_ray(ray[0], ray[1], ray[2]);
   }
-  for (int k = 0; k < 3; ++k) origin[k] = of_runs(sensor_ray + (3 + k) * s, telling);
+  SIM_EACH(k, 3) origin[k] = of_runs(sensor_ray + (3 + k) * s, telling);
   const F t = of_runs(sensor_ray + 6 * s, telling);
   const F opacity = R(1.0) - of_runs(out + SIM_O_TRANSMITTANCE * s, telling);
   const F along = of_runs(out + SIM_O_DISTANCE * s, telling);
   // Within a frame a sensor turns by so little that the straight way between the two is as good as the arc.
   turn(asked->start.rotation, ray, from);
   turn(asked->end.rotation, ray, to);
-  for (int k = 0; k < 3; ++k) d[k] = fma(t, to[k] - from[k], from[k]);
+  SIM_EACH(k, 3) d[k] = fma(t, to[k] - from[k], from[k]);
   const F inv_length = R(1.0) / sqrt(SEL(is_one, dot_lanes(d, d), (F)R(1.0)));
   transform(&asked->start, origin, from);
   transform(&asked->end, origin, to);
   const I met = opacity > R(0.5);
   const F range = SEL(met, along / SEL(met, opacity, (F)R(1.0)), (F)SIM_FAR_M);
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     d[k] *= inv_length;
     p[k] = fma(range, d[k], fma(t, to[k] - from[k], from[k]));
   }
@@ -195,7 +192,7 @@ __kernel void support(const FrameParams frame,
     F q[3], e[3];
     transform(&box->actor_from_scene, p, q);
     I on = AND(free, met);
-    for (int k = 0; k < 3; ++k) on = AND(on, fabs(q[k]) <= box->half_size[k]);
+    SIM_EACH(k, 3) on = AND(on, fabs(q[k]) <= box->half_size[k]);
     if (!ANY(on)) continue;
     turn(box->actor_from_scene.rotation, d, e);
     free = AND(free, NOT(on));
@@ -221,8 +218,7 @@ __kernel void support(const FrameParams frame,
   for (uint k = 0; k < SIM_SUPPORT_RUN; ++k) {
     if (first_run + k * V / SIM_SUPPORT_RUN >= runs) return;
     real odds_each[V], all_each[V];
-#pragma unroll
-    for (uint lane = 0; lane < V; ++lane) {
+    SIM_EACH(lane, V) {
       odds_each[lane] = odds_of[(k * V + lane) / SIM_SUPPORT_RUN];
       all_each[lane] = all_of[(k * V + lane) / SIM_SUPPORT_RUN];
     }
@@ -242,8 +238,7 @@ __kernel void support(const FrameParams frame,
       }
       real each[V];
       STV(each, found);
-#pragma unroll
-      for (uint lane = 0; lane < V; ++lane) {
+      SIM_EACH(lane, V) {
         const int own = ray_of_slot[first + lane];
         if (own >= 0) support[own] = each[lane];
       }

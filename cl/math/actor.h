@@ -43,7 +43,7 @@ FN void load_actors(__global const uint* actor_of,
                     uint i,
                     ActorLanes* a) {
   uint ids = 0;
-  for (uint lane = 0; lane < V; ++lane) ids |= actor_of[i + lane];
+  SIM_EACH(lane, V) ids |= actor_of[i + lane];
   a->any = ids != 0;
   if (!a->any) return;
   real on[V], there[V], centre[3 * V], rotation[9 * V];
@@ -53,32 +53,32 @@ FN void load_actors(__global const uint* actor_of,
 #if ACTOR_MOTION
   real step[3 * V], axis[3 * V], angle[V];
 #endif
-  for (uint lane = 0; lane < V; ++lane) {
+  SIM_EACH(lane, V) {
     const uint id = actor_of[i + lane];
     __global const ActorConstants* actor = actors + id;
     on[lane] = id != 0 ? R(1.0) : R(0.0);
     there[lane] = actor->there;
-    for (int k = 0; k < 3; ++k) centre[k * V + lane] = actor->centre[k];
-    for (int k = 0; k < 9; ++k) rotation[k * V + lane] = actor->rotation[k];
+    SIM_EACH(k, 3) centre[k * V + lane] = actor->centre[k];
+    SIM_EACH(k, 9) rotation[k * V + lane] = actor->rotation[k];
 #if DEFORM
     reach[lane] = actor->reach;
 #endif
 #if ACTOR_MOTION
-    for (int k = 0; k < 3; ++k) step[k * V + lane] = actor->step[k];
-    for (int k = 0; k < 3; ++k) axis[k * V + lane] = actor->turn_axis[k];
+    SIM_EACH(k, 3) step[k * V + lane] = actor->step[k];
+    SIM_EACH(k, 3) axis[k * V + lane] = actor->turn_axis[k];
     angle[lane] = actor->turn_angle;
 #endif
   }
   a->on = LDV(on) > R(0.5);
   a->there = LDV(there);
-  for (int k = 0; k < 3; ++k) a->centre[k] = LDV(centre + k * V);
-  for (int k = 0; k < 9; ++k) a->rotation[k] = LDV(rotation + k * V);
+  SIM_EACH(k, 3) a->centre[k] = LDV(centre + k * V);
+  SIM_EACH(k, 9) a->rotation[k] = LDV(rotation + k * V);
 #if DEFORM
   a->reach = LDV(reach);
 #endif
 #if ACTOR_MOTION
-  for (int k = 0; k < 3; ++k) a->step[k] = LDV(step + k * V);
-  for (int k = 0; k < 3; ++k) a->axis[k] = LDV(axis + k * V);
+  SIM_EACH(k, 3) a->step[k] = LDV(step + k * V);
+  SIM_EACH(k, 3) a->axis[k] = LDV(axis + k * V);
   a->angle = LDV(angle);
 #endif
 }
@@ -89,8 +89,8 @@ FN void actor_turn(const ActorLanes* a, F t, F* m) {
   F sine, cosine;
   sincos_lanes(a->angle * (t - R(0.5)), &sine, &cosine);
   const F rest = R(1.0) - cosine;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) m[3 * i + j] = rest * a->axis[i] * a->axis[j];
+  SIM_EACH(i, 3) {
+    SIM_EACH(j, 3) m[3 * i + j] = rest * a->axis[i] * a->axis[j];
     m[4 * i] += cosine;
   }
   const F x = a->axis[0] * sine, y = a->axis[1] * sine, z = a->axis[2] * sine;
@@ -107,7 +107,7 @@ FN void actor_carry(const ActorLanes* a, const F* turn, F t, const F* p, F* out)
   const F arm[3] = {p[0] - a->centre[0], p[1] - a->centre[1], p[2] - a->centre[2]};
   F turned[3];
   rotate_lanes(turn, arm, turned);
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     out[k] = SEL(a->on, a->centre[k] + a->step[k] * (t - R(0.5)) + turned[k], p[k]);
   }
 }
@@ -115,7 +115,7 @@ FN void actor_carry(const ActorLanes* a, const F* turn, F t, const F* p, F* out)
 /// The farthest that points within `radius` of o_ref + p get during the frame, m; 0 at rest.
 FN F actor_travel(const ActorLanes* a, const F* p, F radius) {
   F arm2 = (F)R(0.0), step2 = (F)R(0.0);
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const F arm = p[k] - a->centre[k];
     arm2 = fma(arm, arm, arm2);
     step2 = fma(a->step[k], a->step[k], step2);

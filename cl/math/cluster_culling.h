@@ -20,7 +20,7 @@ FN I cluster_may_be_seen(const FrameParams* frame,
                          uint i) {
   bounds += i;
   F offset[3];
-  for (int k = 0; k < 3; ++k) offset[k] = LDV(bounds + (SIM_C_CENTRE + k) * stride) - sensor->centre_ref[k];
+  SIM_EACH(k, 3) offset[k] = LDV(bounds + (SIM_C_CENTRE + k) * stride) - sensor->centre_ref[k];
   F means = LDV(bounds + SIM_C_RADIUS * stride);
   I away = (F)R(0.0) != (F)R(0.0);
 #if ACTORS
@@ -32,7 +32,7 @@ FN I cluster_may_be_seen(const FrameParams* frame,
                          LDV(bounds + (SIM_C_CENTRE + 1) * stride),
                          LDV(bounds + (SIM_C_CENTRE + 2) * stride)};
     rotate_lanes(actor.rotation, centre, turned);
-    for (int k = 0; k < 3; ++k) offset[k] = SEL(actor.on, actor.centre[k] + turned[k], offset[k]);
+    SIM_EACH(k, 3) offset[k] = SEL(actor.on, actor.centre[k] + turned[k], offset[k]);
     away = actor.there <= R(0.0);
 #if DEFORM
     means += SEL(actor.on, actor.reach, (F)R(0.0));

@@ -66,7 +66,7 @@ FN void grid_slice(
   s->weight[2] = (R(1.0) - fx) * fy;
   s->weight[3] = fx * fy;
   Vertex low = (Vertex)(R(0.0)), high = (Vertex)(R(0.0));
-  for (int k = 0; k < 4; ++k) {
+  SIM_EACH(k, 4) {
     low += s->weight[k] * vload16(s->corner[k], grid);
     high += s->weight[k] * vload16(s->corner[k] + 1, grid);
   }

@@ -21,7 +21,7 @@ FN real deform_place(__global const real* shape, int k, real p) {
 }
 
 FN void deform_cell(__global const real* shape, const real* p, DeformCell* cell) {
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const real cells = shape[SIM_D_NODES + k] - R(1.0);
     const real at = deform_place(shape, k, p[k]);
     const real first = min(floor(at), cells - R(1.0));

@@ -47,14 +47,14 @@ FN void seen_ellipsoid(__global const SensorConstants* sensor,
   if (g->actor.any) actor_turn(&g->actor, t, carry);
 #endif
   F trace = (F)R(0.0);
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const F length = reach * g->filtered[k];
     F v[3] = {g->rotation[k] * length, g->rotation[3 + k] * length, g->rotation[6 + k] * length};
 #if ACTOR_MOTION
     if (g->actor.any) {
       F carried_v[3];
       rotate_lanes(carry, v, carried_v);
-      for (int j = 0; j < 3; ++j) v[j] = SEL(g->actor.on, carried_v[j], v[j]);
+      SIM_EACH(j, 3) v[j] = SEL(g->actor.on, carried_v[j], v[j]);
     }
 #endif
     F turned[3];
@@ -64,7 +64,7 @@ FN void seen_ellipsoid(__global const SensorConstants* sensor,
 #else
     rotate(sensor->rotation_ref, v, turned);
 #endif
-    for (int j = 0; j < 3; ++j) e->a[j][k] = turned[j];
+    SIM_EACH(j, 3) e->a[j][k] = turned[j];
     trace += length * length;
   }
   sensor_from_particle_point(sensor, g, g->offset, t, e->p);
@@ -98,7 +98,7 @@ FN I shadow_slopes(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* 
   const F far2 = fma(pu, pu, pv * pv);
   const F inv = SEL(far2 > R(0.0), R(1.0) / sqrt(SEL(far2 > R(0.0), far2, (F)R(1.0))), (F)R(0.0));
   F along = (F)R(0.0), mixed = (F)R(0.0), across = (F)R(0.0);
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const F l = fma(pu, au[k], pv * av[k]) * inv;
     const F w = fma(pu, av[k], -(pv * au[k])) * inv;
     along = fma(l, l, along);
@@ -119,7 +119,7 @@ FN F ball_slope(F distance2, F ball) {
 /// Bounds of v / u between the lines through the origin of slopes [right, left] off the direction (pu, pv), where
 /// u > 0; +-NO_BOUND where there is none.
 FN void slope_ratios(F pu, F pv, I bounded, F right, F left, F* low, F* high) {
-  for (int end = 0; end < 2; ++end) {
+  SIM_EACH(end, 2) {
     const F slope = end == 0 ? right : left;
     const F ahead = fma(-pv, slope, pu);
     const I in_front = AND(bounded, ahead > R(1e-4) * (fabs(pu) + fabs(pv * slope)));
@@ -162,7 +162,7 @@ FN void spherical_extent(
   // line)]: c / distance is at most u where u >= 0, else u times the least cosine.
   const F inv = R(1.0) / SEL(aside, flat, (F)R(1.0));
   F along[3];
-  for (int k = 0; k < 3; ++k) along[k] = fma(pa, e->a[a][k], pb * e->a[b][k]) * inv;
+  SIM_EACH(k, 3) along[k] = fma(pa, e->a[a][k], pb * e->a[b][k]) * inv;
   F under, over;
   shadow_ratios(e, flat, pc, along, e->a[c], &under, &over);
   const F widest = VMAX(-right, left);

@@ -36,19 +36,19 @@ FN void load_place(__global const real* params,
                    __global const SensorConstants* sensor,
                    Gaussian* g) {
   const __global real* row = params + i;
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     g->offset[k] = LDV(row + (SIM_MEAN + k) * stride) - sensor->centre_ref[k];
   }
 #if ACTORS
   load_actors(actor_of, actors, i, &g->actor);
   if (g->actor.any) {
     F mean[3], turned[3];
-    for (int k = 0; k < 3; ++k) mean[k] = LDV(row + (SIM_MEAN + k) * stride);
+    SIM_EACH(k, 3) mean[k] = LDV(row + (SIM_MEAN + k) * stride);
 #if DEFORM
-    for (int k = 0; k < 3; ++k) mean[k] += LDV(deform_offset + k * stride + i);
+    SIM_EACH(k, 3) mean[k] += LDV(deform_offset + k * stride + i);
 #endif
     rotate_lanes(g->actor.rotation, mean, turned);
-    for (int k = 0; k < 3; ++k) {
+    SIM_EACH(k, 3) {
       g->offset[k] = SEL(g->actor.on, g->actor.centre[k] + turned[k], g->offset[k]);
     }
   }
@@ -63,7 +63,7 @@ FN void load_shape(
   const __global real* row = params + i;
   const F range2 = g->offset[0] * g->offset[0] + g->offset[1] * g->offset[1] + g->offset[2] * g->offset[2];
   const F widen = range2 * sensor->model.kappa;
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     g->scale[k] = exp_lanes(LDV(row + (SIM_LOG_SCALE + k) * stride));
     g->filtered[k] = sqrt(fma(g->scale[k], g->scale[k], widen));
   }
@@ -71,7 +71,7 @@ FN void load_shape(
 #if ACTORS
   if (g->actor.any) {
     F own[9];
-    for (int k = 0; k < 9; ++k) own[k] = g->rotation[k];
+    SIM_EACH(k, 9) own[k] = g->rotation[k];
     multiply_lanes(g->actor.rotation, own, g->rotation);
   }
 #endif
@@ -94,7 +94,7 @@ FN void load_gaussian(__global const real* params,
 /// record's own time it would be that of an actor that moved and a sensor that did not.
 FN void view_direction(const Gaussian* g, F* towards) {
   const F inv_range = R(1.0) / g->range;
-  for (int k = 0; k < 3; ++k) towards[k] = g->offset[k] * inv_range;
+  SIM_EACH(k, 3) towards[k] = g->offset[k] * inv_range;
 #if ACTORS
   if (g->actor.any) {
     const F direction[3] = {towards[0], towards[1], towards[2]};
@@ -122,14 +122,14 @@ FN void compensation(const Gaussian* g, Compensation* c) {
   const F largest = VMAX(g->filtered[0], VMAX(g->filtered[1], g->filtered[2]));
   const F inv = R(1.0) / largest;
   c->inv_largest2 = inv * inv;
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const F s = g->scale[k] * inv, wide = g->filtered[k] * inv;
     c->scale2[k] = s * s;
     c->filtered2[k] = wide * wide;
     c->n[k] = g->offset[k] / g->range;
   }
   F area = (F)R(0.0), wide = (F)R(0.0);
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     c->e[k] = g->rotation[k] * c->n[0] + g->rotation[3 + k] * c->n[1] + g->rotation[6 + k] * c->n[2];
     const F e2 = c->e[k] * c->e[k];
@@ -151,7 +151,7 @@ FN void compensation_gradient(const Gaussian* g,
                               F* g_mean) {
   F by_wide = (F)R(0.0);  // sum of d(ln A(s^)) / d(s^^2)
   F by_n[3] = {(F)R(0.0), (F)R(0.0), (F)R(0.0)};
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     const F e2_i = c->e[i] * c->e[i], e2_j = c->e[j] * c->e[j];
     const F narrow = fma(e2_i, c->scale2[j], e2_j * c->scale2[i]) * c->inv_area;
@@ -161,14 +161,14 @@ FN void compensation_gradient(const Gaussian* g,
     const F by_e =
         by_share * c->e[k] *
         (c->scale2[i] * c->scale2[j] * c->inv_area - c->filtered2[i] * c->filtered2[j] * c->inv_wide);
-    for (int r = 0; r < 3; ++r) {
+    SIM_EACH(r, 3) {
       g_rotation[3 * r + k] = fma(by_e, c->n[r], g_rotation[3 * r + k]);
       by_n[r] = fma(by_e, g->rotation[3 * r + k], by_n[r]);
     }
   }
   const F radial = by_n[0] * c->n[0] + by_n[1] * c->n[1] + by_n[2] * c->n[2];
   const F by_range2 = -kappa * by_share * by_wide * c->inv_largest2;  // times offset
-  for (int r = 0; r < 3; ++r) {
+  SIM_EACH(r, 3) {
     g_mean[r] += (by_n[r] - radial * c->n[r]) / g->range + by_range2 * g->offset[r];
   }
 }
@@ -179,24 +179,24 @@ FN void compensation_gradient(const Gaussian* g,
 /// the actor's rotation. velocity: m per frame, 0 for those at rest. The footprint filter stays that of
 /// half-way.
 FN void place_at(Gaussian* g, F t, F* velocity) {
-  for (int k = 0; k < 3; ++k) velocity[k] = (F)R(0.0);
+  SIM_EACH(k, 3) velocity[k] = (F)R(0.0);
   if (!g->actor.any) return;
   F turn[9], turned[9], moved[3];
   actor_turn(&g->actor, t, turn);
   actor_carry(&g->actor, turn, t, g->offset, moved);
-  for (int k = 0; k < 3; ++k) g->offset[k] = moved[k];
+  SIM_EACH(k, 3) g->offset[k] = moved[k];
   const F range = sqrt(moved[0] * moved[0] + moved[1] * moved[1] + moved[2] * moved[2]);
   g->range = SEL(g->actor.on, range, g->range);
   multiply_lanes(turn, g->rotation, turned);
-  for (int k = 0; k < 9; ++k) g->rotation[k] = SEL(g->actor.on, turned[k], g->rotation[k]);
+  SIM_EACH(k, 9) g->rotation[k] = SEL(g->actor.on, turned[k], g->rotation[k]);
   multiply_lanes(turn, g->actor.rotation, turned);
-  for (int k = 0; k < 9; ++k) g->actor.rotation[k] = SEL(g->actor.on, turned[k], g->actor.rotation[k]);
+  SIM_EACH(k, 9) g->actor.rotation[k] = SEL(g->actor.on, turned[k], g->actor.rotation[k]);
   F arm[3], spun[3];
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     arm[k] = moved[k] - g->actor.centre[k] - g->actor.step[k] * (t - R(0.5));
   }
   cross_lanes(g->actor.axis, arm, spun);
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     velocity[k] = SEL(g->actor.on, fma(g->actor.angle, spun[k], g->actor.step[k]), (F)R(0.0));
   }
 }
@@ -218,9 +218,9 @@ typedef struct {
 
 FN void blend_matrix(const Gaussian* g, BlendMatrix* b) {
   F o[3];
-  for (int i = 0; i < 3; ++i) {
+  SIM_EACH(i, 3) {
     const F inv_scale = R(1.0) / g->filtered[i];
-    for (int j = 0; j < 3; ++j) b->m[3 * i + j] = g->rotation[3 * j + i] * inv_scale;
+    SIM_EACH(j, 3) b->m[3 * i + j] = g->rotation[3 * j + i] * inv_scale;
     o[i] = -(b->m[3 * i] * g->offset[0] + b->m[3 * i + 1] * g->offset[1] + b->m[3 * i + 2] * g->offset[2]);
   }
   b->radius2 = o[0] * o[0] + o[1] * o[1] + o[2] * o[2];
@@ -233,7 +233,7 @@ FN void blend_matrix(const Gaussian* g, BlendMatrix* b) {
   b->v[2] = o[2] + side * r;
   b->two_over_vv = R(2.0) / (b->v[0] * b->v[0] + b->v[1] * b->v[1] + b->v[2] * b->v[2]);
   b->sign = side;
-  for (int j = 0; j < 3; ++j) {
+  SIM_EACH(j, 3) {
     const F vm = (b->v[0] * b->m[j] + b->v[1] * b->m[3 + j] + b->v[2] * b->m[6 + j]) * b->two_over_vv;
     b->a[j] = (b->m[j] - b->v[0] * vm) * b->inv_radius;
     b->a[3 + j] = (b->m[3 + j] - b->v[1] * vm) * b->inv_radius;
@@ -244,7 +244,7 @@ FN void blend_matrix(const Gaussian* g, BlendMatrix* b) {
   const F inv_length = R(1.0) / sqrt(SEL(turned, length2, (F)R(1.0)));
   b->cosine = SEL(turned, b->a[5] * inv_length, (F)R(1.0));
   b->sine = SEL(turned, b->a[2] * inv_length, (F)R(0.0));
-  for (int j = 0; j < 3; ++j) {
+  SIM_EACH(j, 3) {
     const F first = b->a[j], second = b->a[3 + j];
     b->a[j] = b->cosine * first - b->sine * second;
     b->a[3 + j] = b->sine * first + b->cosine * second;

@@ -30,7 +30,7 @@ FN void clear_slots(const SlotMap* map,
                     __global real* instance_error) {
   for (uint i = begin + get_local_id(0); i < end; i += LS) {
     const ulong slot = gradient_slot(map, payload[i] & SIM_PARTICLE_MASK);
-    for (int k = 0; k < SIM_GRAD; ++k) grads[SIM_GRAD * slot + k] = R(0.0);
+    SIM_EACH(k, SIM_GRAD) grads[SIM_GRAD * slot + k] = R(0.0);
     if (ERRORS) instance_error[slot] = R(0.0);
   }
 }

@@ -27,7 +27,7 @@ FN void across(const F* n, F* e1, F* e2) {
 /// is not in front. l, a1, a2: the axes along the line of sight, `distance` long, and in two directions across.
 FN I cap_angle(const Ellipsoid* e, F distance, const F* l, const F* a1, const F* a2, F* angle) {
   F along = (F)R(0.0), m1 = along, m2 = along, w11 = along, w12 = along, w22 = along;
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     along = fma(l[k], l[k], along);
     m1 = fma(l[k], a1[k], m1);
     m2 = fma(l[k], a2[k], m2);
@@ -69,7 +69,7 @@ FN void lens_bounds(const Ellipsoid* e,
   const I steep = slope > R(0.0);
   const F inv = R(1.0) / SEL(steep, slope, (F)R(1.0));
   F across_axes[3];
-  for (int k = 0; k < 3; ++k) across_axes[k] = fma(d1, a1[k], d2 * a2[k]) * inv;
+  SIM_EACH(k, 3) across_axes[k] = fma(d1, a1[k], d2 * a2[k]) * inv;
   F right, left;
   const I outside = shadow_slopes(e, distance, (F)R(0.0), l, across_axes, &right, &left);
   // The derivative itself is off by at most bend / 2 * LENS_STEP along either direction across.
@@ -143,7 +143,7 @@ FN void lens_extent(__global const SensorConstants* sensor, const Ellipsoid* e, 
   F n[3] = {e->p[0] * inv, e->p[1] * inv, e->p[2] * inv};
   F e1[3], e2[3], l[3], a1[3], a2[3], cap;
   across(n, e1, e2);
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     l[k] = n[0] * e->a[0][k] + n[1] * e->a[1][k] + n[2] * e->a[2][k];
     a1[k] = e1[0] * e->a[0][k] + e1[1] * e->a[1][k] + e1[2] * e->a[2][k];
     a2[k] = e2[0] * e->a[0][k] + e2[1] * e->a[1][k] + e2[2] * e->a[2][k];

@@ -15,7 +15,7 @@ typedef struct {
 FN void start_light(const RayLanes* ray, Light* light) {
   light->transmittance = (F)R(1.0);
   light->distance = light->median = light->last = (F)R(0.0);
-  for (int c = 0; c < 3; ++c) light->sum[c] = (F)R(0.0);
+  SIM_EACH(c, 3) light->sum[c] = (F)R(0.0);
   light->going = is_ray(ray->d[0], ray->d[1], ray->d[2]);
 }
 
@@ -23,7 +23,7 @@ FN void blend(const Met* met, real t_cut, Light* light) {
   const F before = light->transmittance;
   const F weight = SEL(light->going, met->alpha, (F)R(0.0)) * before;
 #if !ACTOR_IDS
-  for (int c = 0; c < 3; ++c) light->sum[c] = fma(weight, met->feature[c], light->sum[c]);
+  SIM_EACH(c, 3) light->sum[c] = fma(weight, met->feature[c], light->sum[c]);
 #endif
   light->distance = fma(weight, met->tau, light->distance);
   const F left = before - weight;
@@ -44,7 +44,7 @@ FN void blend(const Met* met, real t_cut, Light* light) {
 /// Writes the outputs of render() to slots from `slot` on.
 FN void write_light(Light* light, __global const SensorConstants* sensor, uint slots, __global real* slot) {
   const F t = light->transmittance;
-  for (int c = 0; c < 3; ++c) {
+  SIM_EACH(c, 3) {
     light->sum[c] = fma(t, (F)sensor->background[c], light->sum[c]);
     STV(slot + (ulong)c * slots, light->sum[c]);
   }

@@ -24,7 +24,7 @@ FN void start_light(const RayLanes* ray,
   light->transmittance = (F)R(1.0);
   light->replayed = replayed;
   light->going = is_ray(ray->d[0], ray->d[1], ray->d[2]);
-  for (int c = 0; c < 3; ++c) light->g[c] = LDV(grad_out + (ulong)c * slots);
+  SIM_EACH(c, 3) light->g[c] = LDV(grad_out + (ulong)c * slots);
   light->g_distance = LDV(grad_out + SIM_O_DISTANCE * slots);
   light->behind = behind_of(out, grad_out, slots);
 }

@@ -29,7 +29,7 @@ FN void pass_by(I nearer, const Met* before, Met* place, Met* met) {
   met->tau = SEL(nearer, was.tau, before->tau);
   place->alpha = SEL(nearer, before->alpha, was.alpha);
   met->alpha = SEL(nearer, was.alpha, before->alpha);
-  for (int c = 0; c < 3; ++c) {
+  SIM_EACH(c, 3) {
     place->feature[c] = SEL(nearer, before->feature[c], was.feature[c]);
     met->feature[c] = SEL(nearer, was.feature[c], before->feature[c]);
   }
@@ -43,7 +43,7 @@ FN void pass_by(I nearer, const Met* before, Met* place, Met* met) {
 FN void copy_met(const Met* from, Met* to) {
   to->tau = from->tau;
   to->alpha = from->alpha;
-  for (int c = 0; c < 3; ++c) to->feature[c] = from->feature[c];
+  SIM_EACH(c, 3) to->feature[c] = from->feature[c];
 #if SIM_REPLAY
   to->place = from->place;
 #endif
@@ -60,7 +60,7 @@ FN void describe_met(const Instance* at, const Features* features, const F* d, M
 #elif RAY_SH
   ray_feature(features, at->particle, d, met->feature);
 #else
-  for (int c = 0; c < 3; ++c) met->feature[c] = (F)at->record[SIM_R_FEATURE + c];
+  SIM_EACH(c, 3) met->feature[c] = (F)at->record[SIM_R_FEATURE + c];
 #endif
 }
 

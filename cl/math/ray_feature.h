@@ -41,14 +41,14 @@ FN void ray_feature(const Features* of, uint particle, const F* d, F* feature) {
   const uint id = of->actor_of[particle];
   if (id != 0) {
     const __global real* r = of->actors[id].rotation;
-    for (int k = 0; k < 3; ++k) towards[k] = d[0] * r[k] + d[1] * r[3 + k] + d[2] * r[6 + k];
+    SIM_EACH(k, 3) towards[k] = d[0] * r[k] + d[1] * r[3 + k] + d[2] * r[6 + k];
   }
 #endif
   F basis[SH_COEFFICIENTS];
   sh_basis(towards[0], towards[1], towards[2], basis);
-  for (int channel = 0; channel < 3; ++channel) {
+  SIM_EACH(channel, 3) {
     F sum = (F)R(0.0);
-    for (int k = 0; k < SH_COEFFICIENTS; ++k) {
+    SIM_EACH(k, SH_COEFFICIENTS) {
       // In one step, clang 15 crashes over halves.
       const real coefficient = SH_ONE(of->params, of->stride, k, channel, particle);
       sum = fma(basis[k], (F)coefficient, sum);

@@ -85,9 +85,9 @@ FN F alpha_of(I inside, const real* record, F q, real log_cut) {
 // Through a pointer: Mesa's rusticl loses a structure that is assigned to an element of an array.
 FN void load_ray(
     __global const real* world_ray, __global const real* ray_u, uint slots, uint slot, RayLanes* ray) {
-  for (int k = 0; k < 3; ++k) ray->d[k] = LDV(world_ray + k * slots + slot);
+  SIM_EACH(k, 3) ray->d[k] = LDV(world_ray + k * slots + slot);
 #if ORIGINS
-  for (int k = 0; k < 3; ++k) ray->o[k] = LDV(world_ray + (3 + k) * slots + slot);
+  SIM_EACH(k, 3) ray->o[k] = LDV(world_ray + (3 + k) * slots + slot);
 #endif
 #if ACTOR_MOTION
   ray->t = LDV(world_ray + 6 * slots + slot);
@@ -101,8 +101,7 @@ FN void load_ray(
 FN void follow(const RayLanes* ray, const real* motion, RayLanes* seen) {
   // By parts: a copy of the whole is a call on CPUs, around which no register keeps the particle's record.
   const F dt = ray->t - motion[SIM_M_TIME];
-#pragma unroll
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     seen->d[k] = ray->d[k];
     seen->o[k] = fma(dt, (F)-motion[SIM_M_VELOCITY + k], ray->o[k]);
   }

@@ -62,7 +62,7 @@ FN void add_gradients(const real* record,
 #if ORIGINS
   const F o2 = fma(
       response->o[0], response->o[0], fma(response->o[1], response->o[1], response->o[2] * response->o[2]));
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const F a = SEL(inside, response->a[k], (F)R(0.0));
     const F o = response->o[k];
     // d|o x a|^2/da = 2 (o^2 a - (o.a) o), d|o x a|^2/do = 2 (n o - (o.a) a), and -(o.a) = n tau.
@@ -82,8 +82,8 @@ FN void add_gradients(const real* record,
   origin[1] = s2 * a1;
   origin[2] = -(scale_q * fma(a0, a0, a1 * a1)) - dtau * inv_n * a2;
 #endif
-  for (int k = 0; k < 3; ++k) {
-    for (int c = 0; c < 3; ++c) {
+  SIM_EACH(k, 3) {
+    SIM_EACH(c, 3) {
       sum[SIM_G_MATRIX + 3 * k + c] = fma(da[k], seen->d[c], sum[SIM_G_MATRIX + 3 * k + c]);
 #if ORIGINS
       sum[SIM_G_MATRIX + 3 * k + c] = fma(origin[k], seen->o[c], sum[SIM_G_MATRIX + 3 * k + c]);

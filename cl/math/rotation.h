@@ -6,16 +6,16 @@
 
 /// out = R v, or R^T v, R row-major 3x3 on lanes.
 FN void rotate_lanes(const F* r, const F* v, F* out) {
-  for (int k = 0; k < 3; ++k) out[k] = r[3 * k] * v[0] + r[3 * k + 1] * v[1] + r[3 * k + 2] * v[2];
+  SIM_EACH(k, 3) out[k] = r[3 * k] * v[0] + r[3 * k + 1] * v[1] + r[3 * k + 2] * v[2];
 }
 FN void rotate_back_lanes(const F* r, const F* v, F* out) {
-  for (int k = 0; k < 3; ++k) out[k] = r[k] * v[0] + r[3 + k] * v[1] + r[6 + k] * v[2];
+  SIM_EACH(k, 3) out[k] = r[k] * v[0] + r[3 + k] * v[1] + r[6 + k] * v[2];
 }
 
 /// out = A B, 3x3 row-major on lanes.
 FN void multiply_lanes(const F* a, const F* b, F* out) {
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
+  SIM_EACH(i, 3) {
+    SIM_EACH(j, 3) {
       out[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
     }
   }
@@ -31,9 +31,9 @@ FN void cross_lanes(const F* a, const F* b, F* out) {
 /// 1 / |raw quaternion|.
 FN F load_rotation(const __global real* column, uint stride, F* quaternion, F* r) {
   F raw[4];
-  for (int k = 0; k < 4; ++k) raw[k] = LDV(column + (SIM_ROTATION + k) * stride);
+  SIM_EACH(k, 4) raw[k] = LDV(column + (SIM_ROTATION + k) * stride);
   const F inv_norm = R(1.0) / sqrt(raw[0] * raw[0] + raw[1] * raw[1] + raw[2] * raw[2] + raw[3] * raw[3]);
-  for (int k = 0; k < 4; ++k) quaternion[k] = raw[k] * inv_norm;
+  SIM_EACH(k, 4) quaternion[k] = raw[k] * inv_norm;
   const F w = quaternion[0], x = quaternion[1], y = quaternion[2], z = quaternion[3];
   r[0] = R(1.0) - R(2.0) * (y * y + z * z);
   r[1] = R(2.0) * (x * y - w * z);

@@ -106,7 +106,7 @@ FN void blend_in_rounds(
     real places[V];
     STV(places, SEL(light->going, round.left_over, (F)(real)count));
     begin = count;
-    for (int lane = 0; lane < V; ++lane) begin = min(begin, (uint)places[lane]);
+    SIM_EACH(lane, V) begin = min(begin, (uint)places[lane]);
   }
 }
 

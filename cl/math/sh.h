@@ -39,8 +39,8 @@ FN void call_for_rows(__global const real* params, uint stride, uint rows, uint 
   for (uint row = 0; row < rows; ++row) SIM_PREFETCH(params + (ulong)row * stride + i);
 }
 FN void call_for_sh(__global const real* params, uint stride, uint i) {
-  for (int k = 0; k < SH_COEFFICIENTS; ++k) {
-    for (int channel = 0; channel < 3; ++channel) SIM_PREFETCH(SH_ROW(params, stride, k, channel) + i);
+  SIM_EACH(k, SH_COEFFICIENTS) {
+    SIM_EACH(channel, 3) SIM_PREFETCH(SH_ROW(params, stride, k, channel) + i);
   }
 }
 #endif

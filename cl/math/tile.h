@@ -52,22 +52,19 @@ FN void split_quarter(Quarter quarter, real* to) {
 }
 FN void load_record(__global const real* source, real* record) {
   __global const Quarter* quarters = (__global const Quarter*)source;
-#pragma unroll
-  for (int k = 0; k < SIM_QUARTERS; ++k) split_quarter(quarters[k], record + 4 * k);
+  SIM_EACH(k, SIM_QUARTERS) split_quarter(quarters[k], record + 4 * k);
 }
 /// To and from the records of a batch that a group has in local memory.
 FN void stage_record(__global const real* source, __local Quarter* staged, uint i) {
   __global const Quarter* quarters = (__global const Quarter*)source;
-#pragma unroll
-  for (int k = 0; k < SIM_QUARTERS; ++k) staged[i * SIM_QUARTERS + k] = quarters[k];
+  SIM_EACH(k, SIM_QUARTERS) staged[i * SIM_QUARTERS + k] = quarters[k];
 }
 FN void staged_record(const __local Quarter* staged, uint i, real* record) {
-#pragma unroll
-  for (int k = 0; k < SIM_QUARTERS; ++k) split_quarter(staged[i * SIM_QUARTERS + k], record + 4 * k);
+  SIM_EACH(k, SIM_QUARTERS) split_quarter(staged[i * SIM_QUARTERS + k], record + 4 * k);
 }
 #else
 FN void load_record(__global const real* source, real* record) {
-  for (int k = 0; k < SIM_RECORD; ++k) record[k] = source[k];
+  SIM_EACH(k, SIM_RECORD) record[k] = source[k];
 }
 #endif
 
@@ -137,8 +134,7 @@ FN void complete(const Tile* tile, uint place, uint packed, int always, Instance
 #if ACTOR_MOTION
   at->moves = take_box(at->record);
   if (always || at->moves) {
-#pragma unroll
-    for (int k = 0; k < SIM_MOTION; ++k) at->motion[k] = tile->motions[(ulong)at->particle * SIM_MOTION + k];
+    SIM_EACH(k, SIM_MOTION) at->motion[k] = tile->motions[(ulong)at->particle * SIM_MOTION + k];
   }
 #endif
   at->box_mean = nearest_box_mean(at->record, tile->u);
@@ -179,8 +175,7 @@ FN void meet(const Tile* tile, const Instance* at, const RayLanes* seen, Respons
 
 /// Rays that are done: they meet nothing any more.
 FN void end_rays(I done, RayLanes* ray) {
-#pragma unroll
-  for (int k = 0; k < 3; ++k) ray->d[k] = SEL(done, (F)R(0.0), ray->d[k]);
+  SIM_EACH(k, 3) ray->d[k] = SEL(done, (F)R(0.0), ray->d[k]);
 }
 
 /// The bit of vector j where it has a ray.

@@ -33,7 +33,7 @@ typedef struct {
 /// offset + rotation (z * filtered scale): the point z standard deviations off the centre.
 FN void point_at(const Gaussian* g, F z0, F z1, F z2, F* p) {
   const F a = z0 * g->filtered[0], b = z1 * g->filtered[1], c = z2 * g->filtered[2];
-  for (int k = 0; k < 3; ++k) {
+  SIM_EACH(k, 3) {
     const F* row = g->rotation + 3 * k;
     p[k] = fma(row[0], a, fma(row[1], b, fma(row[2], c, g->offset[k])));
   }
@@ -79,9 +79,9 @@ FN void projected_box(__global const SensorConstants* sensor,
   const real arm = R(1.7320508075688772);
   const real weight = R(0.16666666666666667);
 #endif
-  for (int axis = 0; axis < 3; ++axis) {
+  SIM_EACH(axis, 3) {
     F dx[2], dy[2];
-    for (int end = 0; end < 2; ++end) {
+    SIM_EACH(end, 2) {
       const real z = end == 0 ? arm : -arm;
       F p[3], x, y;
       point_at(g, (F)(axis == 0 ? z : R(0.0)), (F)(axis == 1 ? z : R(0.0)), (F)(axis == 2 ? z : R(0.0)), p);
