@@ -17,8 +17,8 @@ namespace {
 constexpr std::uint32_t kBins = 4096;
 constexpr std::uint32_t kMostRows = 16;  // of a tile: its slot rows
 constexpr std::uint32_t kMostIndex = LidarTiles::kMostIndex;
-// Other numbers, timed for each sensor and device, were at most 6 % faster.
-constexpr std::uint32_t kBeamsOfTile = 8;
+// One slot row each. With 8 in two slot rows particles touch 1.7 times as many of them (PandaSet: 1.03 of a training).
+constexpr std::uint32_t kBeamsOfTile = 16;
 constexpr std::uint32_t kMostRays = SIM_TILE_RAYS;
 // In wider tiles the two places of a particle at the cut could not be told apart.
 constexpr std::uint32_t kFewestColumns = 8;

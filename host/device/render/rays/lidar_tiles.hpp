@@ -33,7 +33,7 @@ struct LidarTiles {
 };
 
 /// Rows of equally many rays, all of one elevation: row_elevation[rows] rad, never rising. x[rows][row_rays]
-/// rad is the place along the spin. A tile has about 8 rows; tile columns are uniform, as few as no tile
+/// rad is the place along the spin. A tile has about 16 rows; tile columns are uniform, as few as no tile
 /// needs to hold more than SIM_TILE_RAYS rays. Error{kInput} naming `sensor` for rays too uneven for that.
 [[nodiscard]] LidarTiles tile_rows_of_rays(const Device& device,
                                            const std::string& sensor,
