@@ -127,10 +127,9 @@ int nearest_row(const Lidar& lidar, const std::vector<double>& tolerance, const 
 
 double column_of(const Lidar& lidar, int row, double azimuth) {
   const double step = lidar.azimuth_span / lidar.columns;
-  const double turn = 2.0 * kPi;
   const double half = 0.5 * step;
-  double ahead = std::fmod(lidar.spin_sign() * (azimuth - lidar.azimuth(row, 0)) + half, turn);
-  if (ahead < 0.0) ahead += turn;
+  double ahead = std::fmod(lidar.spin_sign() * (azimuth - lidar.azimuth(row, 0)) + half, kTurn);
+  if (ahead < 0.0) ahead += kTurn;
   return (ahead - half) / step;
 }
 
@@ -174,7 +173,7 @@ Sweep grid_points(const std::vector<MeasuredPoint>& points, const Lidar& lidar, 
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const Placed& p = rows[r][i];
       const std::size_t ray = first + static_cast<std::size_t>(columns[i]);
-      azimuth_off.push_back(std::remainder(p.ray.azimuth - double{sweep.rays.azimuth[ray]}, 2.0 * kPi));
+      azimuth_off.push_back(std::remainder(p.ray.azimuth - double{sweep.rays.azimuth[ray]}, kTurn));
       const double own = p.point->time_fraction;
       time_off.push_back(std::isnan(own) ? 0.0 : own - double{sweep.rays.time_fraction[ray]});
       sweep.rays.elevation[ray] = static_cast<float>(p.ray.elevation);
@@ -182,10 +181,12 @@ Sweep grid_points(const std::vector<MeasuredPoint>& points, const Lidar& lidar, 
       sweep.intensity[ray] = p.point->intensity;
     }
     report.returned += columns.size();
-    const double turn = 2.0 * kPi;
-    spread(columns, azimuth_off, turn, sweep.rays.azimuth.data() + first, lidar.columns);
-    spread(
-        columns, time_off, turn / lidar.azimuth_span, sweep.rays.time_fraction.data() + first, lidar.columns);
+    spread(columns, azimuth_off, kTurn, sweep.rays.azimuth.data() + first, lidar.columns);
+    spread(columns,
+           time_off,
+           kTurn / lidar.azimuth_span,
+           sweep.rays.time_fraction.data() + first,
+           lidar.columns);
   }
   return sweep;
 }

@@ -15,10 +15,10 @@ namespace {
 
 // The paper's 400 bins hold two neighbouring beams of a dense sensor in one; these tell them apart.
 constexpr std::uint32_t kBins = 4096;
-constexpr std::uint32_t kMostRows = 16;  // of a tile: its slot rows
+// Of a tile: its slot rows, one for each beam. With 8 beams in two slot rows each particles touch 1.7 times as many of
+// them (PandaSet: 1.03 of a training).
+constexpr std::uint32_t kMostRows = 16;
 constexpr std::uint32_t kMostIndex = LidarTiles::kMostIndex;
-// One slot row each. With 8 in two slot rows particles touch 1.7 times as many of them (PandaSet: 1.03 of a training).
-constexpr std::uint32_t kBeamsOfTile = 16;
 constexpr std::uint32_t kMostRays = SIM_TILE_RAYS;
 // In wider tiles the two places of a particle at the cut could not be told apart.
 constexpr std::uint32_t kFewestColumns = 8;
@@ -54,7 +54,7 @@ LidarTiles tile_rows_of_rays(const Device& device,
   const TileBins bins = bins_over(row_elevation, kBins);
   std::uint32_t groups = 0;
   const Uints group_of_bin =
-      tiler.groups_of(elevation, row_rays, bins, divided_up(rows, kBeamsOfTile), kBins, groups);
+      tiler.groups_of(elevation, row_rays, bins, divided_up(rows, kMostRows), kBins, groups);
   const std::uint32_t group_rays = tiler.fullest_group(elevation, row_rays, bins, group_of_bin, groups);
   const Uints group_of_row = tiler.groups_of_rows(elevation, bins, group_of_bin);
   const std::uint32_t tile_rows = tiler.cut(group_of_row, rows, kMostRows, out);
