@@ -31,8 +31,14 @@ class GradientProblem {
         grads_(device, "parameter gradients", options.precision),
         base_(particles_.params.download_double()) {
     Random random(11);
-    weights_.resize(std::size_t{5} * rays_.grid().frame.slots);
-    for (double& w : weights_) w = random.normal();
+    // By ray, whatever slot it has; slots without a ray tell nothing.
+    const RayGrid& grid = rays_.grid();
+    for (int output = 0; output < 5; ++output) {
+      std::vector<double> of_rays(grid.rays);
+      for (double& w : of_rays) w = random.normal();
+      for (const std::int32_t ray : grid.ray_of_slot)
+        weights_.push_back(ray < 0 ? 0.0 : of_rays[static_cast<std::size_t>(ray)]);
+    }
   }
 
   [[nodiscard]] std::size_t at(int row, int particle) const {
