@@ -26,6 +26,7 @@ set(SIMULI_CL_FILES
   math/light.h
   math/light_bwd.h
   math/met.h
+  math/pixel_row.h
   math/random.h
   math/ray_drop.h
   math/ray_feature.h

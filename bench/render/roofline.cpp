@@ -67,8 +67,8 @@ __kernel void count_visits(const FrameParams frame,
     real record[SIM_RECORD];
     for (int k = 0; k < SIM_RECORD; ++k) record[k] = records[(ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD + k];
     const real box_mean = nearest_box_mean(record, ray_u[base]);
-    for (int j = SIM_J_FIRST(packed); j <= SIM_J_LAST(packed); ++j) {
-      if (SIM_J_OUTSIDE(j, lid, packed) || !(alive >> j & 1u)) continue;
+    uint vectors = vectors_of(packed, lid) & alive;
+    SIM_EACH_VECTOR_OF(j, vectors) {
       ++looked;
       Response response;
       respond(record, box_mean, &ray[j], sensor->model.t_min, sensor->model.t_max, &response);

@@ -90,7 +90,7 @@ __kernel SIM_GROUP void instance_count(__global const uint* order,
 
 /// Writes the instances of each particle, nearest particle first.
 /// in  tile_rows[tiles_y + 1]: first sensor row of each tile row
-/// out tile[K]; payload[K]: particle | first slot row << 24 | last slot row << 28
+/// out tile[K]; payload[K]: particle | first slot row << 24 | last slot row << 28, of blocks those in two corners
 __kernel SIM_GROUP void instance_emit(const FrameParams frame,
                                       __global const uint* order,
                                       const uint m,
@@ -113,14 +113,19 @@ __kernel SIM_GROUP void instance_emit(const FrameParams frame,
       const uint top = tile_rows[ty];
       const uint row0 = max(row_first, top) - top;
       const uint row1 = min(row_last + 1, tile_rows[ty + 1]) - 1 - top;
-      const uint packed = particle | row0 * frame.row_slots << SIM_PARTICLE_BITS |
-                          ((row1 + 1) * frame.row_slots - 1) << (SIM_PARTICLE_BITS + 4);
+      const int blocks = frame.row_slots == 0;
+      const uint slot_row0 = blocks ? row0 / SIM_BLOCK_SIDE * SIM_TILE_BLOCKS : row0 * frame.row_slots;
+      const uint slot_row1 =
+          blocks ? (row1 / SIM_BLOCK_SIDE + 1) * SIM_TILE_BLOCKS - 1 : (row1 + 1) * frame.row_slots - 1;
       SIM_EACH(part, 2) {
         const uint columns = part == 0 ? f.columns : f.others;
-        const uint begin = ty * frame.tiles_x + SIM_LOW(columns);
+        const uint begin = ty * frame.tiles_x + SIM_TILE_COLUMN(columns);
         for (uint k = 0; k < SIM_HIGH(columns); ++k) {
+          // Of the first and the last tile not all columns of blocks; without blocks these are 0 and the last.
+          const uint from = k == 0 ? slot_row0 + (columns >> 12 & 3u) : slot_row0;
+          const uint to = k + 1 == SIM_HIGH(columns) ? slot_row1 - (~columns >> 14 & 3u) : slot_row1;
           tile[place] = begin + k;
-          payload[place] = packed;
+          payload[place] = particle | from << SIM_PARTICLE_BITS | to << (SIM_PARTICLE_BITS + 4);
           ++place;
         }
       }

@@ -17,8 +17,11 @@ __kernel void color_grid(const FrameParams frame,
   if (i >= s) return;
   const uint tile = i / SIM_TILE_RAYS, inside = i % SIM_TILE_RAYS;
   // Slots beyond the picture have no pixel; the nearest one's transform does them no harm.
-  const uint x = min(tile % frame.tiles_x * SIM_SLOT_ROW + inside % SIM_SLOT_ROW, width - 1);
-  const uint y = min(tile / frame.tiles_x * SIM_SLOT_ROWS + inside / SIM_SLOT_ROW, height - 1);
+  const uint block = inside / SIM_SLOT_ROW, place = inside % SIM_SLOT_ROW;
+  const uint column = block % SIM_TILE_BLOCKS * SIM_BLOCK_SIDE + place % SIM_BLOCK_SIDE;
+  const uint row = block / SIM_TILE_BLOCKS * SIM_BLOCK_SIDE + place / SIM_BLOCK_SIDE;
+  const uint x = min(tile % frame.tiles_x * SIM_TILE_SIDE + column, width - 1);
+  const uint y = min(tile / frame.tiles_x * SIM_TILE_SIDE + row, height - 1);
   const real rgb[3] = {out[i], out[s + i], out[2 * s + i]};
   real fx, fy;
   const uint cx = grid_cell(x, width, GRID_X, &fx);

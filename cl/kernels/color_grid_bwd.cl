@@ -8,11 +8,6 @@ FN Vertex pixel_vertex(const real* rgb, const real* g) {
   return (Vertex)(g[0] * colour, g[1] * colour, g[2] * colour, (REAL_VECTOR(4))(R(0.0)));
 }
 
-/// First slot of the picture's row y.
-FN uint row_slot(uint y, uint tiles_x) {
-  return y / SIM_SLOT_ROWS * tiles_x * SIM_TILE_RAYS + y % SIM_SLOT_ROWS * SIM_SLOT_ROW;
-}
-
 /// A work-item takes the pixels of one row y in one column cx of cells, and sums what the two vertices of level z get
 /// there, x weights applied, y weights not yet: all levels at once would not fit into a GPU's registers.
 /// in  out[6][slots]; grad_out[3][slots]: dL/d(picture)
@@ -28,9 +23,9 @@ __kernel void color_grid_rows(const FrameParams frame,
   const uint s = frame.slots;
   if (y >= height) return;
   Vertex left = (Vertex)(R(0.0)), right = (Vertex)(R(0.0));
-  const uint row = row_slot(y, frame.tiles_x), end = grid_cell_begin(cx + 1, width, GRID_X);
+  const uint row = SIM_SLOT_OF_ROW(y, frame.tiles_x), end = grid_cell_begin(cx + 1, width, GRID_X);
   for (uint x = grid_cell_begin(cx, width, GRID_X); x < end; ++x) {
-    const uint i = row + x / SIM_SLOT_ROW * SIM_TILE_RAYS + x % SIM_SLOT_ROW;
+    const uint i = row + SIM_SLOT_OF_COLUMN(x);
     const real rgb[3] = {out[i], out[s + i], out[2 * s + i]};
     real fz, z_slope;
     const uint low = grid_level(rgb, &fz, &z_slope);
@@ -60,7 +55,7 @@ __kernel void color_grid_pixels(const FrameParams frame,
   const uint x = get_global_id(0) % width, y = get_global_id(0) / width;
   const uint s = frame.slots;
   if (y >= height) return;
-  const uint i = row_slot(y, frame.tiles_x) + x / SIM_SLOT_ROW * SIM_TILE_RAYS + x % SIM_SLOT_ROW;
+  const uint i = SIM_SLOT_OF_ROW(y, frame.tiles_x) + SIM_SLOT_OF_COLUMN(x);
   const real rgb[3] = {out[i], out[s + i], out[2 * s + i]};
   const real g[3] = {grad_out[i], grad_out[s + i], grad_out[2 * s + i]};
   real fx, fy;

@@ -9,10 +9,8 @@ struct Blending {
 
 FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct Blending* b) {
   F most = (F)R(0.0);
-  const int j_last = SIM_J_LAST(at->packed);
-  SIM_EACH_VECTOR
-  for (int j = SIM_J_FIRST(at->packed); j <= j_last; ++j) {
-    if (!is_touched(tile, at, j, *alive)) continue;
+  uint vectors = vectors_of(at->packed, tile->lid) & *alive;
+  SIM_EACH_VECTOR_OF(j, vectors) {
     RayLanes own;
     Response response;
     meet(tile, at, seen_by(at, &b->ray[j], &own), &response);

@@ -1,5 +1,6 @@
 // loss_ssim.cl - structural similarity of a picture and its gradient. Launcher: host/device/render/train/loss_ssim.cpp
 #include "math/elementary.h"
+#include "math/pixel_row.h"
 #include "shared/layout.h"
 
 // One channel at a time, 1 - SSIM summed over the known pixels (Wang et al. 2004, K1 = 0.01, K2 = 0.03,
@@ -16,7 +17,7 @@
 #define SIM_SSIM_C2 R(9e-4)
 
 typedef struct {
-  uint slot;    // of the strip's first pixel; the next row's is SIM_SLOT_ROW further
+  uint slot;    // of the strip's first pixel; the next rows' are SIM_SLOT_OF_ROW further
   uint pixel;   // of the same, in a plane
   uint stride;  // from one row of a plane to the next
   uint size;    // of a plane
@@ -24,14 +25,14 @@ typedef struct {
 
 /// False for work-items beyond the last strip.
 FN int find_strip(const FrameParams* frame, Strip* strip) {
-  const uint per_tile = SIM_SLOT_ROW / V;
+  const uint per_tile = SIM_TILE_SIDE / V;
   const uint tile = get_global_id(0) / per_tile;
   const uint column = get_global_id(0) % per_tile * V;
-  strip->stride = frame->tiles_x * SIM_SLOT_ROW + 2 * SIM_SSIM_MARGIN_X;
-  strip->size = strip->stride * (frame->tiles_y * SIM_SLOT_ROWS + 2 * SIM_SSIM_RADIUS);
-  strip->slot = tile * SIM_TILE_RAYS + column;
-  strip->pixel = (tile / frame->tiles_x * SIM_SLOT_ROWS + SIM_SSIM_RADIUS) * strip->stride +
-                 tile % frame->tiles_x * SIM_SLOT_ROW + column + SIM_SSIM_MARGIN_X;
+  strip->stride = frame->tiles_x * SIM_TILE_SIDE + 2 * SIM_SSIM_MARGIN_X;
+  strip->size = strip->stride * (frame->tiles_y * SIM_TILE_SIDE + 2 * SIM_SSIM_RADIUS);
+  strip->slot = tile * SIM_TILE_RAYS + SIM_SLOT_OF_COLUMN(column);
+  strip->pixel = (tile / frame->tiles_x * SIM_TILE_SIDE + SIM_SSIM_RADIUS) * strip->stride +
+                 tile % frame->tiles_x * SIM_TILE_SIDE + column + SIM_SSIM_MARGIN_X;
   return tile < frame->tiles_x * frame->tiles_y;
 }
 
@@ -54,14 +55,15 @@ __kernel void ssim_planes(const FrameParams frame,
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
   const uint s = frame.slots;
-  for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
-    const uint i = strip.slot + row * SIM_SLOT_ROW;
+  for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
+    const uint i = strip.slot + SIM_SLOT_OF_ROW(row, 0);
     __global real* pixel = planes + strip.pixel + row * strip.stride;
-    const F x = LDV(world_ray + i), y = LDV(world_ray + s + i), z = LDV(world_ray + 2 * s + i);
-    const I known = AND(is_ray(x, y, z), LDV(truth + i) >= R(0.0));
+    const F x = load_pixel_row(world_ray + i), y = load_pixel_row(world_ray + s + i);
+    const F z = load_pixel_row(world_ray + 2 * s + i);
+    const I known = AND(is_ray(x, y, z), load_pixel_row(truth + i) >= R(0.0));
     STV(pixel, SEL(known, (F)R(1.0), (F)R(0.0)));
-    STV(pixel + strip.size, SEL(known, LDV(picture + channel * s + i), (F)R(0.0)));
-    STV(pixel + 2 * strip.size, SEL(known, LDV(truth + channel * s + i), (F)R(0.0)));
+    STV(pixel + strip.size, SEL(known, load_pixel_row(picture + channel * s + i), (F)R(0.0)));
+    STV(pixel + 2 * strip.size, SEL(known, load_pixel_row(truth + channel * s + i), (F)R(0.0)));
   }
 }
 
@@ -73,7 +75,7 @@ __kernel void ssim_moments(const FrameParams frame,
                            __global real* moments) {
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
-  for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
+  for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     F sum[6];
     SIM_EACH(m, 6) sum[m] = (F)R(0.0);
@@ -107,7 +109,7 @@ __kernel void ssim_windows(const FrameParams frame,
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
   F total = (F)R(0.0);
-  for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
+  for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     const I known = LDV(planes + pixel) > R(0.5);
     F m[6];
@@ -130,7 +132,7 @@ __kernel void ssim_windows(const FrameParams frame,
     STV(slopes + strip.size + pixel, -by * ssim * inv_b2);
     STV(slopes + 2 * strip.size + pixel, by * R(2.0) * a1 * inv_b);
   }
-  const uint strips = frame.slots / (SIM_SLOT_ROWS * V);
+  const uint strips = frame.slots / (SIM_TILE_SIDE * V);
   sums[channel * strips + get_global_id(0)] = HSUM(total);
 }
 
@@ -141,7 +143,7 @@ __kernel void ssim_slope_rows(const FrameParams frame,
                               __global real* slope_rows) {
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
-  for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
+  for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     SIM_EACH(k, 3) {
       const uint at = k * strip.size + pixel;
@@ -160,13 +162,13 @@ __kernel void ssim_gradient(const FrameParams frame,
                             __global real* grad_picture) {
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
-  for (uint row = 0; row < SIM_SLOT_ROWS; ++row) {
+  for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     F g[3];
     SIM_EACH(k, 3) g[k] = window_sum(slope_rows + k * strip.size + pixel, window, strip.stride);
     const F x = LDV(planes + strip.size + pixel), y = LDV(planes + 2 * strip.size + pixel);
     const F gradient = fma(x, R(2.0) * g[1], fma(y, g[2], g[0]));
-    __global real* slot = grad_picture + channel * frame.slots + strip.slot + row * SIM_SLOT_ROW;
-    STV(slot, fma(LDV(planes + pixel), gradient, LDV(slot)));
+    __global real* slot = grad_picture + channel * frame.slots + strip.slot + SIM_SLOT_OF_ROW(row, 0);
+    store_pixel_row(slot, fma(LDV(planes + pixel), gradient, load_pixel_row(slot)));
   }
 }

@@ -1,5 +1,5 @@
 // picture_bytes.cl - a picture as bytes. Launcher: host/device/render/outputs/picture_bytes.cpp
-#include "math/lanes.h"
+#include "math/pixel_row.h"
 
 #if V == 1
 #define SIM_TO_FLOATS(v) ((float)(v))
@@ -24,7 +24,7 @@ FN Bytes bytes_of(F shown) {
   return SIM_BYTES_FROM(whole + (steps - SIM_TO_FLOATS(whole) >= 0.5f ? (Ints)1 : (Ints)0));
 }
 
-/// V pixels of a row per work-item, those of tiles beside each other in slots beside each other.
+/// V pixels of a row per work-item.
 /// in  shown[3][slots]; slot_of_ray[height][width], -1: a pixel without a ray, which shows the background
 /// out bytes[3 * width * height]: channel c of pixel i at i * pixel_step + c * channel_step
 __kernel void picture_bytes(const uint width,
@@ -46,11 +46,12 @@ __kernel void picture_bytes(const uint width,
   const uint count = min((uint)V, width - x);
   const real background[3] = {red, green, blue};
   bool is_run = count == V && slot_of_ray[first] >= 0;
-  for (uint k = 1; k < count; ++k) is_run &= slot_of_ray[first + k] == slot_of_ray[first] + (int)k;
+  for (uint k = 1; k < count; ++k)
+    is_run &= slot_of_ray[first + k] == slot_of_ray[first] + (int)SIM_SLOT_OF_COLUMN(k);
   if (is_run && pixel_step == 1) {
     __global const real* from = shown + slot_of_ray[first];
     SIM_EACH(c, 3) {
-      const Bytes converted = bytes_of(LDV(from + c * slots));
+      const Bytes converted = bytes_of(load_pixel_row(from + c * slots));
       STV(bytes + first + c * channel_step, converted);
     }
     return;

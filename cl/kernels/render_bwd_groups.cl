@@ -119,7 +119,7 @@ FN void find_met(const Tile* tile,
     SIM_ONE_BY_ONE
     for (uint k = 0; k < last; ++k) {
       const uint packed = batch->payload[k];
-      if (SIM_J_OUTSIDE(j, tile->lid, packed)) continue;
+      if (!touches(packed, j, tile->lid)) continue;
       Instance at;
       staged_record(batch->quarters, k, at.record);
       complete(tile, first + k, packed, 0, &at);

@@ -11,12 +11,9 @@
 #define SIM_APART_M R(0.01)      // half of what it tells when a ray's median and mean distance differ by more
 #define SIM_LEAST_EXPONENT R(-80.0)
 
-// Neighbours along a slot row, SIM_SUPPORT_RUN of them, are looked up alike, with them those of `stack` slot rows; this
-// one of them is looked up, unless it has no ray.
-#define SIM_TELLING 1
-#define SIM_ROW_RUNS (SIM_SLOT_ROW / SIM_SUPPORT_RUN)
-#define SIM_SLOT_OF_RUN(run, stack) \
-  ((run) / SIM_ROW_RUNS * SIM_SLOT_ROW * (stack) + (run) % SIM_ROW_RUNS * SIM_SUPPORT_RUN)
+// Of a run of neighbours, rows of SIM_SUPPORT_RUN that lie one behind the other, the second of the middle row is looked
+// up, unless it has no ray.
+#define SIM_TELLING(rows) ((rows) / 2 * SIM_SUPPORT_RUN + 1)
 
 FN int has_ray(__global const real* sensor_ray, uint s, uint slot) {
   return sensor_ray[slot] != R(0.0) || sensor_ray[s + slot] != R(0.0) || sensor_ray[2 * s + slot] != R(0.0);
@@ -119,9 +116,9 @@ FN F return_odds(__global const real* out, uint s, __global const SupportFrame* 
   return fma(apart / (apart + SIM_APART_M), (F)trust->apart, odds);
 }
 
-/// V runs of SIM_SUPPORT_RUN slots in each of `stack` slot rows per work-item. Where a ray's light comes from is looked up in the
-/// views that were recorded, for one ray of a run, since cells are no finer; whether a LiDAR's rays return is told of
-/// each by itself.
+/// V runs of `rows` (1, 2 or 4) times SIM_SUPPORT_RUN slots per work-item: neighbours along a beam, or of a block of
+/// pixels. Where a ray's light comes from is looked up in the views that were recorded, for one ray of a run, since
+/// cells are no finer; whether a LiDAR's rays return is told of each by itself.
 /// in  sensor_ray[7][slots]; ray_of_slot[slots], -1: none; out[6|7][slots] as blended;
 ///     grids[count] of the recorded views; boxes[actors]; views[actors + 1][count], from the scene's axes, then from
 ///     those of each actor;
@@ -132,8 +129,8 @@ __kernel void support(const FrameParams frame,
                       const uint actors,
                       const uint count,
                       const uint drops,
-                      const uint stack,
-                      const uint in_rows,
+                      const uint rows,
+                      const uint in_blocks,
                       __global const real* sensor_ray,
                       __global const int* ray_of_slot,
                       __global const real* out,
@@ -145,24 +142,20 @@ __kernel void support(const FrameParams frame,
                       __global real* support) {
   const uint first_run = get_global_id(0) * V;
   const uint s = frame.slots;
-  const uint runs = s / (SIM_SUPPORT_RUN * stack);
+  const uint of_run = SIM_SUPPORT_RUN * rows, runs = s / of_run;
   if (first_run >= runs) return;
-  const uint begin = SIM_SLOT_OF_RUN(first_run, stack);
   F ray[3], origin[3], from[3], to[3], d[3], p[3];
   uint telling[V];
   SIM_EACH(lane, V) {
     // The last run again where there are no more.
-    const uint run = min(first_run + lane, runs - 1);
-    telling[lane] = SIM_SLOT_OF_RUN(run, stack) + stack / 2 * SIM_SLOT_ROW + SIM_TELLING;
+    telling[lane] = min(first_run + lane, runs - 1) * of_run + SIM_TELLING(rows);
   }
   SIM_EACH(k, 3) ray[k] = of_runs(sensor_ray + k * s, telling);
   I is_one = is_ray(ray[0], ray[1], ray[2]);
   if (ANY(NOT(is_one))) {
     SIM_EACH(lane, V) {
-      const uint run = SIM_SLOT_OF_RUN(min(first_run + lane, runs - 1), stack);
-      for (uint k = 0; k < SIM_SUPPORT_RUN * stack && !has_ray(sensor_ray, s, telling[lane]); ++k) {
-        telling[lane] = run + k / SIM_SUPPORT_RUN * SIM_SLOT_ROW + k % SIM_SUPPORT_RUN;
-      }
+      const uint run = min(first_run + lane, runs - 1) * of_run;
+      for (uint k = 0; k < of_run && !has_ray(sensor_ray, s, telling[lane]); ++k) telling[lane] = run + k;
     }
     SIM_EACH(k, 3) ray[k] = of_runs(sensor_ray + k * s, telling);
     is_one = is_ray(ray[0], ray[1], ray[2]);
@@ -214,34 +207,34 @@ __kernel void support(const FrameParams frame,
   real odds_of[V], all_of[V];
   STV(odds_of, odds);
   STV(all_of, SEL(known, at_all, (F)R(0.0)));
-#pragma unroll
-  for (uint k = 0; k < SIM_SUPPORT_RUN; ++k) {
-    if (first_run + k * V / SIM_SUPPORT_RUN >= runs) return;
+  const uint begin = first_run * of_run, log2_of_run = 31 - clz(of_run);
+  for (uint k = 0; k < of_run; ++k) {
+    const uint first = begin + k * V;
+    if (first >= s) return;
     real odds_each[V], all_each[V];
     SIM_EACH(lane, V) {
-      odds_each[lane] = odds_of[(k * V + lane) / SIM_SUPPORT_RUN];
-      all_each[lane] = all_of[(k * V + lane) / SIM_SUPPORT_RUN];
+      odds_each[lane] = odds_of[(k * V + lane) >> log2_of_run];
+      all_each[lane] = all_of[(k * V + lane) >> log2_of_run];
     }
-    for (uint row = 0; row < stack; ++row) {
-      const uint first = begin + SIM_SLOT_OF_RUN(k * V / SIM_SUPPORT_RUN, stack) + k * V % SIM_SUPPORT_RUN +
-                         row * SIM_SLOT_ROW;
-      // Where views look is alike for neighbours; whether and how surely a LiDAR's ray returns is its own.
-      F of_ray = LDV(odds_each);
-      if (drops) of_ray += return_odds(out + first, s, asked);
-      const F clamped = VMAX(VMIN(of_ray, (F)-SIM_LEAST_EXPONENT), (F)SIM_LEAST_EXPONENT);
-      const F found = LDV(all_each) / (R(1.0) + exp_lanes(-clamped));
-      const int first_ray = ray_of_slot[first];
-      // Pictures without holes: between a row's first pixel and its last are all others (checking each costs a tenth).
-      if (in_rows && ray_of_slot[first + V - 1] - first_ray == V - 1) {
-        if (first_ray >= 0) STV(support + first_ray, found);
-        continue;
-      }
-      real each[V];
-      STV(each, found);
-      SIM_EACH(lane, V) {
-        const int own = ray_of_slot[first + lane];
-        if (own >= 0) support[own] = each[lane];
-      }
+    // Where views look is alike for neighbours; whether and how surely a LiDAR's ray returns is its own.
+    F of_ray = LDV(odds_each);
+    if (drops) of_ray += return_odds(out + first, s, asked);
+    const F clamped = VMAX(VMIN(of_ray, (F)-SIM_LEAST_EXPONENT), (F)SIM_LEAST_EXPONENT);
+    const F found = LDV(all_each) / (R(1.0) + exp_lanes(-clamped));
+    real each[V];
+    STV(each, found);
+#if V > SIM_BLOCK_SIDE
+    // Pictures without holes: between a block's first pixel and its last are all others (checking each costs a tenth).
+    if (in_blocks && ray_of_slot[first] >= 0 && ray_of_slot[first + V - 1] >= 0) {
+#pragma unroll
+      for (uint lane = 0; lane < V; lane += SIM_BLOCK_SIDE)
+        vstore4(vload4(0, each + lane), 0, support + ray_of_slot[first + lane]);
+      continue;
+    }
+#endif
+    SIM_EACH(lane, V) {
+      const int own = ray_of_slot[first + lane];
+      if (own >= 0) support[own] = each[lane];
     }
   }
 }

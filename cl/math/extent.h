@@ -247,7 +247,7 @@ FN void exact_bounds(const FrameParams* frame,
   // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
   out->half_x = SEL(out->half_x > R(1.5), (F)NO_BOUND, out->half_x);
 #elif WRAPS
-  const real widest = min(R(0.25) * period, R(0.5) * period - SIM_SLOT_ROW);
+  const real widest = min(R(0.25) * period, R(0.5) * period - SIM_TILE_SIDE);
   out->half_x = SEL(out->half_x > widest, (F)NO_BOUND, out->half_x);
 #endif
 }

@@ -23,8 +23,8 @@ FN int beams_above(__global const int* row_lut,
 // What rounding in float may move a place x by, at most: the box itself decides per ray.
 #define BIN_MARGIN R(5e-6)
 
-/// Tile columns that [mean - half, mean + half] touches: first | count << 16, 0 for none. For cameras those of
-/// pixels whose centres lie inside.
+/// Tile columns that [mean - half, mean + half] touches, as in a Footprint, 0 for none. For cameras those of pixels
+/// whose centres lie inside.
 FN uint tile_columns(__global const SensorConstants* sensor,
                      __global const uint* column_of_bin,
                      real mean,
@@ -33,16 +33,16 @@ FN uint tile_columns(__global const SensorConstants* sensor,
   const real low = max(ceil(mean - half_width - R(0.5)), sensor->model.first_column);
   const real high = min(floor(mean + half_width - R(0.5)), sensor->model.last_column);
   if (!(low <= high)) return 0;
-  const uint first = (uint)low / SIM_SLOT_ROW;
-  return first | ((uint)high / SIM_SLOT_ROW - first + 1) << 16;
+  const uint first = (uint)low / SIM_BLOCK_SIDE, last = (uint)high / SIM_BLOCK_SIDE;
 #else
   const real low = max(mean - half_width - BIN_MARGIN, sensor->model.tile_first);
   const real high = min(mean + half_width + BIN_MARGIN, sensor->model.tile_last);
   if (!(low <= high)) return 0;
   const real x0 = sensor->model.tile_first, scale = sensor->model.tile_scale, bins = sensor->model.tile_bins;
-  const uint first = column_of_bin[cell_of(low, x0, scale, bins)];
-  return first | (column_of_bin[cell_of(high, x0, scale, bins)] - first + 1) << 16;
+  const uint first = column_of_bin[cell_of(low, x0, scale, bins)] * SIM_TILE_BLOCKS;
+  const uint last = column_of_bin[cell_of(high, x0, scale, bins)] * SIM_TILE_BLOCKS + SIM_TILE_BLOCKS - 1;
 #endif
+  return SIM_COLUMNS(first, last);
 }
 
 #if CULLING
@@ -69,13 +69,15 @@ FN uint occupied_cells(__global const SensorConstants* sensor,
 /// Makes two intervals that touch or overlap one, so that no tile is counted twice.
 FN void join_columns(Footprint* f) {
   if (f->others == 0) return;
-  const uint a = SIM_LOW(f->columns), b = a + SIM_HIGH(f->columns);
-  const uint c = SIM_LOW(f->others), d = c + SIM_HIGH(f->others);
   if (f->columns == 0) {
     f->columns = f->others;
     f->others = 0;
-  } else if (c <= b && a <= d) {
-    f->columns = min(a, c) | (max(b, d) - min(a, c)) << 16;
+    return;
+  }
+  const uint a = SIM_FIRST_BLOCK(f->columns), b = SIM_LAST_BLOCK(f->columns);
+  const uint c = SIM_FIRST_BLOCK(f->others), d = SIM_LAST_BLOCK(f->others);
+  if (c / SIM_TILE_BLOCKS <= b / SIM_TILE_BLOCKS + 1 && a / SIM_TILE_BLOCKS <= d / SIM_TILE_BLOCKS + 1) {
+    f->columns = SIM_COLUMNS(min(a, c), max(b, d));
     f->others = 0;
   }
 }
@@ -118,7 +120,7 @@ FN Footprint footprint_of(const FrameParams* frame,
 #endif
     f.rows = (uint)row_first | (uint)row_last << 16;
 #if SENSOR == SENSOR_CAMERA
-    const uint ty0 = (uint)row_first / SIM_SLOT_ROWS, ty1 = (uint)row_last / SIM_SLOT_ROWS;
+    const uint ty0 = (uint)row_first / SIM_TILE_SIDE, ty1 = (uint)row_last / SIM_TILE_SIDE;
 #else
     const uint ty0 = tables->tile_row_of_row[row_first], ty1 = tables->tile_row_of_row[row_last];
 #endif

@@ -14,8 +14,8 @@ typedef struct {
 FN ulong gradient_slot(const SlotMap* map, uint particle) {
   const Footprint f = map->footprints[particle];
   const uint count = SIM_HIGH(f.columns);
-  uint column = map->tx - SIM_LOW(f.columns);  // beyond count when tx lies before it, too
-  if (column >= count) column = count + map->tx - SIM_LOW(f.others);
+  uint column = map->tx - SIM_TILE_COLUMN(f.columns);  // beyond count when tx lies before it, too
+  if (column >= count) column = count + map->tx - SIM_TILE_COLUMN(f.others);
   const uint row = map->ty - SIM_LOW(f.tile_rows);
   return (ulong)map->slot_first[particle] + row * (count + SIM_HIGH(f.others)) + column;
 }

@@ -64,7 +64,7 @@ FN void gather(const Tile* tile,
   round->left_over = (F)(real)count;
   for (uint i = begin; i < count; ++i) {
     const uint packed = tile->payload[tile->begin + i];
-    if (j < SIM_J_FIRST(packed) || j > SIM_J_LAST(packed) || SIM_J_OUTSIDE(j, tile->lid, packed)) continue;
+    if (!touches(packed, j, tile->lid)) continue;
     Instance at;
     load_instance(tile, i, &at);
     RayLanes own;

@@ -8,9 +8,6 @@
 #include "shared/layout.h"
 #include "shared/sensor_constants.h"
 
-#define SENSOR_CAMERA 0
-#define SENSOR_LIDAR 1
-
 // The camera's lens: SIM_LENS_.. of shared/sensor_constants.h.
 #ifndef LENS
 #define LENS SIM_LENS_PINHOLE

@@ -13,24 +13,40 @@
 // Slots of vector j of this work-item, from the tile's first slot, and its slot row.
 #define SIM_VECTOR_SLOT(j, lid) (((j)*LS + (lid)) * V)
 #define SIM_VECTOR_ROW(j, lid) (SIM_VECTOR_SLOT(j, lid) / SIM_SLOT_ROW)
-#define SIM_ROW_FIRST(payload) ((payload) >> SIM_PARTICLE_BITS & 15u)
-#define SIM_ROW_LAST(payload) ((payload) >> (SIM_PARTICLE_BITS + 4))
 
-// The vectors of this work-item that a slot-row range touches: [SIM_J_FIRST, SIM_J_LAST]. With one work-item per
-// tile they are consecutive; else every vector is tested.
-#if LS == 1
-#define SIM_J_FIRST(payload) ((int)(SIM_ROW_FIRST(payload) * (SIM_SLOT_ROW / V)))
-#define SIM_J_LAST(payload) ((int)(SIM_ROW_LAST(payload) * (SIM_SLOT_ROW / V)) + SIM_SLOT_ROW / V - 1)
-#define SIM_J_OUTSIDE(j, lid, payload) 0
-// Bits of these vectors.
-#define SIM_VECTORS_OF(payload) \
-  (((2u << (SIM_J_LAST(payload) - SIM_J_FIRST(payload))) - 1u) << SIM_J_FIRST(payload))
+/// The slot rows that an instance touches, a bit each.
+FN uint rows_of(uint payload) {
+  const uint first = payload >> SIM_PARTICLE_BITS & 15u, last = payload >> (SIM_PARTICLE_BITS + 4);
+#if SENSOR == SENSOR_CAMERA
+  // Columns of blocks, and a copy of them for each row of blocks.
+  const uint columns = (2u << (last & 3u)) - (1u << (first & 3u));
+  return columns * (0x1111u & ((2u << (last | 3u)) - (1u << (first & 12u))));
 #else
-#define SIM_J_FIRST(payload) 0
-#define SIM_J_LAST(payload) (NR - 1)
-#define SIM_J_OUTSIDE(j, lid, payload) \
-  (SIM_VECTOR_ROW(j, lid) < SIM_ROW_FIRST(payload) || SIM_VECTOR_ROW(j, lid) > SIM_ROW_LAST(payload))
+  return (2u << last) - (1u << first);
 #endif
+}
+
+/// Whether it touches vector j of a work-item.
+FN int touches(uint payload, int j, uint lid) { return rows_of(payload) >> SIM_VECTOR_ROW(j, lid) & 1u; }
+
+/// The vectors of a work-item that it touches, a bit each.
+FN uint vectors_of(uint payload, uint lid) {
+  uint rows = rows_of(payload);
+#if LS == 1 && V == SIM_SLOT_ROW
+  return rows;
+#elif LS == 1 && 2 * V == SIM_SLOT_ROW
+  rows = (rows | rows << 8) & 0x00ff00ffu;
+  rows = (rows | rows << 4) & 0x0f0f0f0fu;
+  rows = (rows | rows << 2) & 0x33333333u;
+  rows = (rows | rows << 1) & 0x55555555u;
+  return rows | rows << 1;
+#else
+  uint vectors = 0;
+#pragma unroll
+  for (int j = 0; j < NR; ++j) vectors |= (rows >> SIM_VECTOR_ROW(j, lid) & 1u) << j;
+  return vectors;
+#endif
+}
 
 // Loops over a work-item's vectors. Unrolled where there are several work-items (GPUs): what a vector has is in
 // registers then, while an array indexed by a variable is in memory.
@@ -38,6 +54,14 @@
 #define SIM_EACH_VECTOR _Pragma("unroll")
 #else
 #define SIM_EACH_VECTOR
+#endif
+// Over those of `vectors`, a bit each, which is used up.
+#if LS > 1
+#define SIM_EACH_VECTOR_OF(j, vectors) _Pragma("unroll") for (int j = 0; j < NR; ++j) if (vectors >> j & 1u)
+#else
+#define SIM_LOWEST(bits) ((int)(31u - clz(bits & -bits)))
+#define SIM_EACH_VECTOR_OF(j, vectors) \
+  for (int j = SIM_LOWEST(vectors); vectors != 0; vectors &= vectors - 1, j = SIM_LOWEST(vectors))
 #endif
 
 #if LS > 1
@@ -145,11 +169,6 @@ FN void load_instance(const Tile* tile, uint place, Instance* at) {
   const uint packed = tile->payload[tile->begin + place];
   load_record(tile->records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD, at->record);
   complete(tile, place, packed, 0, at);
-}
-
-/// Whether vector j has rays, by the bits of `alive`, in the particle's slot rows.
-FN int is_touched(const Tile* tile, const Instance* at, int j, uint alive) {
-  return !SIM_J_OUTSIDE(j, tile->lid, at->packed) && (alive >> j & 1u);
 }
 
 /// The rays as the particle sees them: themselves, or in `own`. Copies make a CPU's backward pass 1.4 times as slow;

@@ -5,8 +5,7 @@
 #include "math/tile.h"
 
 struct Blending;
-/// What a kernel does with an instance: for each vector j from SIM_J_FIRST to SIM_J_LAST of its payload that
-/// is_touched().
+/// What a kernel does with an instance, for each of vectors_of() its payload that is alive.
 FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct Blending* blending);
 
 #if LS > 1
@@ -55,7 +54,7 @@ FN void walk(const Tile* tile, uint* alive, struct Blending* blending) {
   const uint count = tile->end - tile->begin;
   __global const uint* list = tile->payload + tile->begin;
   for (uint place = 0; place < count && *alive; ++place) {
-    if (!(*alive & SIM_VECTORS_OF(list[place]))) continue;
+    if (!(*alive & vectors_of(list[place], tile->lid))) continue;
     if (place + SIM_AHEAD < count)
       SIM_PREFETCH(tile->records + (ulong)(list[place + SIM_AHEAD] & SIM_PARTICLE_MASK) * SIM_RECORD);
     Instance at;

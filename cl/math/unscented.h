@@ -170,7 +170,7 @@ FN I unscented_bounds(const FrameParams* frame,
   known = AND(known, OR(joined, (F)sensor->model.time_x == R(0.0)));
 #endif
   // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
-  const real widest = min(R(0.25) * period, R(0.5) * period - SIM_SLOT_ROW);
+  const real widest = min(R(0.25) * period, R(0.5) * period - SIM_TILE_SIDE);
   out->half_x = SEL(box.half_x > widest, (F)NO_BOUND, box.half_x);
 #endif
   out->low = box.mean_y - box.half_y;

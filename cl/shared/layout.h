@@ -16,11 +16,22 @@ typedef int sim_i32;
 #endif
 
 // A tile holds FrameParams.tile_rays slots, 32 to 256, in slot rows of 16. A slot row is the finest unit that a
-// particle's footprint selects; for a camera it is one row of 16 pixels, for a LiDAR up to 16 neighbouring
-// firings of one beam.
+// particle's footprint selects: for a LiDAR up to 16 neighbouring firings of one beam, for a camera a block of 4 x 4
+// pixels, row by row, as what particles show is about as wide as high (docs/METHOD.md section 5).
 #define SIM_TILE_RAYS 256
 #define SIM_SLOT_ROW 16
-#define SIM_SLOT_ROWS 16
+// Of a camera, px: the sides of a tile and of a block. Blocks of a tile lie row by row, too.
+#define SIM_TILE_SIDE 16
+#define SIM_BLOCK_SIDE 4
+#define SIM_TILE_BLOCKS (SIM_TILE_SIDE / SIM_BLOCK_SIDE)
+// Where pixel (x, y) lies among the slots of `tiles_x` tiles a row: the sum of what its row and its column add.
+#define SIM_SLOT_OF_COLUMN(x)                                                                  \
+  ((x) / SIM_TILE_SIDE * SIM_TILE_RAYS + (x) % SIM_TILE_SIDE / SIM_BLOCK_SIDE * SIM_SLOT_ROW + \
+   (x) % SIM_BLOCK_SIDE)
+#define SIM_SLOT_OF_ROW(y, tiles_x)                                        \
+  ((y) / SIM_TILE_SIDE * (tiles_x)*SIM_TILE_RAYS +                         \
+   (y) % SIM_TILE_SIDE / SIM_BLOCK_SIDE * SIM_TILE_BLOCKS * SIM_SLOT_ROW + \
+   (y) % SIM_BLOCK_SIDE * SIM_BLOCK_SIDE)
 
 // Rows of the parameter matrix (host/core/scene/gaussians.hpp), each of `stride` reals.
 #define SIM_MEAN 0
@@ -57,7 +68,8 @@ typedef int sim_i32;
 #define SIM_O_DROP 6  // LiDARs: ln(p / (1 - p)), p the probability that the ray doesn't return
 #define SIM_OUTPUTS 7
 
-// Payload of an instance: particle in the low 24 bits, first and last slot row in the high 8.
+// Payload of an instance: particle in the low 24 bits, first and last slot row in the high 8; of blocks two opposite
+// corners.
 #define SIM_PARTICLE_BITS 24
 #define SIM_PARTICLE_MASK 0xffffffu
 
@@ -95,22 +107,33 @@ typedef struct {
   sim_u32 tiles_y;
   sim_u32 rows;       // sensor rows: pixel rows or beams
   sim_u32 tile_rays;  // slots of a tile: V * NR * LS of the blending kernels
-  sim_u32 row_slots;  // slot rows per sensor row: 1 for cameras
+  sim_u32 row_slots;  // slot rows per sensor row; 0 where they are blocks of pixels
   sim_u32 slots;      // tiles_x * tiles_y * tile_rays
 } FrameParams;
 SIM_CHECK_SIZE(FrameParams, 32);
 
 // The tiles and sensor rows that one particle may touch: up to two intervals of tile columns, one for each of
-// its places along x. A culled particle has none.
+// its places along x. A culled particle has none. An interval: first tile column | the first column of blocks in
+// it << 12 | the last column of blocks in the last one << 14 | tile columns << 16.
 typedef struct {
-  sim_u32 columns;    // first tile column | tile columns << 16
-  sim_u32 others;     // the same of the second interval; 0: none
+  sim_u32 columns;
+  sim_u32 others;     // the second interval; 0: none
   sim_u32 rows;       // first sensor row | last sensor row << 16
   sim_u32 tile_rows;  // first tile row | tile rows << 16
 } Footprint;
 SIM_CHECK_SIZE(Footprint, 16);
 #define SIM_LOW(packed) ((packed)&0xffffu)
 #define SIM_HIGH(packed) ((packed) >> 16)
+#define SIM_MOST_TILE_COLUMNS 0x1000u  // 65536 px
+#define SIM_TILE_COLUMN(columns) ((columns)&0xfffu)
+// Columns of blocks, counted from the sensor's first. Without blocks: as if all of a tile's were touched.
+#define SIM_FIRST_BLOCK(columns) (SIM_TILE_COLUMN(columns) * SIM_TILE_BLOCKS + ((columns) >> 12 & 3u))
+#define SIM_LAST_BLOCK(columns) \
+  ((SIM_TILE_COLUMN(columns) + SIM_HIGH(columns) - 1) * SIM_TILE_BLOCKS + ((columns) >> 14 & 3u))
+#define SIM_COLUMNS(first_block, last_block)                                 \
+  ((first_block) / SIM_TILE_BLOCKS | (first_block) % SIM_TILE_BLOCKS << 12 | \
+   (last_block) % SIM_TILE_BLOCKS << 14 |                                    \
+   ((last_block) / SIM_TILE_BLOCKS - (first_block) / SIM_TILE_BLOCKS + 1) << 16)
 #define SIM_TILES(footprint) \
   ((SIM_HIGH((footprint).columns) + SIM_HIGH((footprint).others)) * SIM_HIGH((footprint).tile_rows))
 

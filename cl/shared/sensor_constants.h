@@ -9,6 +9,10 @@
 namespace simuli::shared {
 #endif
 
+// Kinds of sensors (as SENSOR in builds).
+#define SENSOR_CAMERA 0
+#define SENSOR_LIDAR 1
+
 // The map from points before a camera to its picture: kinds (as LENS in cl/math/camera.h) ...
 #define SIM_LENS_PINHOLE 0
 #define SIM_LENS_OPENCV_PINHOLE 1

@@ -60,6 +60,18 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, Instance> checked_lists(const 
   return lists;
 }
 
+/// Tile columns, of pictures from a column of blocks of the first to one of the last.
+std::uint32_t interval(const shared::FrameParams& frame,
+                       std::uint32_t first,
+                       std::uint32_t count,
+                       std::uint32_t block,
+                       std::uint32_t other) {
+  const bool blocks = frame.row_slots == 0;
+  const std::uint32_t from = !blocks ? 0 : count == 1 ? std::min(block, other) : block;
+  const std::uint32_t to = !blocks ? SIM_TILE_BLOCKS - 1 : count == 1 ? std::max(block, other) : other;
+  return SIM_COLUMNS(first * SIM_TILE_BLOCKS + from, (first + count - 1) * SIM_TILE_BLOCKS + to);
+}
+
 /// Random rectangles; a third is culled, some have a second interval of tile columns.
 void random_footprints(const shared::FrameParams& frame,
                        const std::vector<std::uint32_t>& tile_rows,
@@ -74,9 +86,10 @@ void random_footprints(const shared::FrameParams& frame,
     const std::uint32_t first = below(frame.tiles_x);
     const std::uint32_t columns =
         1 + below(i % 5 == 0 ? frame.tiles_x - first : std::min(frame.tiles_x - first, 2U));
-    f.columns = first | columns << 16U;
+    f.columns = interval(frame, first, columns, below(4), below(4));
     if (i % 4 == 0 && first > 1)
-      f.others = 0U | (1 + below(first - 1)) << 16U;  // before the first, apart from it
+      f.others =
+          interval(frame, 0, 1 + below(first - 1), below(4), below(4));  // before the first, apart from it
     const std::uint32_t row_first = below(frame.rows);
     const std::uint32_t row_last = row_first + below(frame.rows - row_first);
     f.rows = row_first | row_last << 16U;
@@ -120,7 +133,7 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
                                          .tiles_y = 4,
                                          .rows = 50,
                                          .tile_rays = SIM_TILE_RAYS,
-                                         .row_slots = 1,
+                                         .row_slots = 0,
                                          .slots = 0};
   constexpr shared::FrameParams kOneTile{.particles = 0,
                                          .stride = 0,
@@ -157,12 +170,20 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
           if (row_last < top || row_first > bottom) continue;
           const std::uint32_t columns = SIM_HIGH(f.columns), others = SIM_HIGH(f.others);
           for (std::uint32_t k = 0; k < columns + others; ++k) {
-            const std::uint32_t tx = k < columns ? SIM_LOW(f.columns) + k : SIM_LOW(f.others) + k - columns;
+            const std::uint32_t part = k < columns ? f.columns : f.others;
+            const std::uint32_t tx = SIM_TILE_COLUMN(part) + (k < columns ? k : k - columns);
             const auto found = lists.find({ty * frame.tiles_x + tx, particle});
             ASSERT_NE(found, lists.end());
-            EXPECT_EQ(found->second.first_slot_row, (std::max(row_first, top) - top) * frame.row_slots);
-            EXPECT_EQ(found->second.last_slot_row,
-                      (std::min(row_last, bottom) - top + 1) * frame.row_slots - 1);
+            const std::uint32_t row = std::max(row_first, top) - top, last = std::min(row_last, bottom) - top;
+            if (frame.row_slots > 0) {
+              EXPECT_EQ(found->second.first_slot_row, row * frame.row_slots);
+              EXPECT_EQ(found->second.last_slot_row, (last + 1) * frame.row_slots - 1);
+            } else {  // two corners in blocks of 4 x 4 of the tile's 4 x 4
+              const std::uint32_t left = std::max(SIM_FIRST_BLOCK(part), tx * 4) - tx * 4;
+              const std::uint32_t right = std::min(SIM_LAST_BLOCK(part), tx * 4 + 3) - tx * 4;
+              EXPECT_EQ(found->second.first_slot_row, row / 4 * 4 + left);
+              EXPECT_EQ(found->second.last_slot_row, last / 4 * 4 + right);
+            }
             ++own;
           }
         }
@@ -188,7 +209,7 @@ TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
                                   .row_slots = 1,
                                   .slots = 0};
   buffers.projected.footprints.assign(
-      std::vector<shared::Footprint>(9, {4U << 16U, 0, 31U << 16U, 2U << 16U}));  // all 8 tiles
+      std::vector<shared::Footprint>(9, {SIM_COLUMNS(0U, 15U), 0, 31U << 16U, 2U << 16U}));  // all 8 tiles
   RayLayout layout(device);
   const RequestedRays requested(device);
   const RayBuffers rays{layout, requested};
@@ -264,9 +285,12 @@ TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
       const auto found = lists.find({slot / rays.grid().frame.tile_rays, particle});
       ASSERT_NE(found, lists.end()) << "ray " << ray_of_slot[slot] << " particle " << particle;
       const std::uint32_t slot_row = slot % rays.grid().frame.tile_rays / SIM_SLOT_ROW;
-      ASSERT_LE(found->second.first_slot_row, slot_row)
-          << "ray " << ray_of_slot[slot] << " particle " << particle;
-      ASSERT_GE(found->second.last_slot_row, slot_row)
+      const std::uint32_t first = found->second.first_slot_row, last = found->second.last_slot_row;
+      const auto within = [&](std::uint32_t share) {  // blocks: of their rows, and of their columns
+        return first / share <= slot_row / share && slot_row / share <= last / share;
+      };
+      ASSERT_TRUE(within(camera ? 4 : 1)) << "ray " << ray_of_slot[slot] << " particle " << particle;
+      ASSERT_TRUE(!camera || (first % 4 <= slot_row % 4 && slot_row % 4 <= last % 4))
           << "ray " << ray_of_slot[slot] << " particle " << particle;
       at_seam_low += ray.x < 0.1 ? 1U : 0U;
       at_seam_high += ray.x > 2.0 * std::numbers::pi - 0.1 ? 1U : 0U;

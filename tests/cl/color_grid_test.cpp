@@ -128,9 +128,9 @@ TEST_P(ColorGridInDouble, GradientsMatchQuotientsAndWrongOnesDoNot) {
     RealBuffer picture(device_, "picture", GetParam());
     RealBuffer grads(device_, "grid gradients", GetParam());
     const auto is_pixel = [&](std::size_t slot) {
-      const std::size_t tile = slot / 256, inside = slot % 256;
-      return static_cast<int>(tile % frame.tiles_x * 16 + inside % 16) < width &&
-             static_cast<int>(tile / frame.tiles_x * 16 + inside / 16) < height;
+      const std::size_t tile = slot / 256, block = slot % 256 / 16, inside = slot % 16;
+      return static_cast<int>(tile % frame.tiles_x * 16 + block % 4 * 4 + inside % 4) < width &&
+             static_cast<int>(tile / frame.tiles_x * 16 + block / 4 * 4 + inside / 4) < height;
     };
     test::Random random(19);
     std::vector<double> out(6 * s), weights(5 * s, 0.0);

@@ -47,7 +47,8 @@ struct Picture {
   }
   [[nodiscard]] std::size_t slot(int x, int y) const {
     const auto tile = static_cast<std::size_t>(y / 16) * frame.tiles_x + static_cast<std::size_t>(x / 16);
-    return tile * SIM_TILE_RAYS + static_cast<std::size_t>(y % 16 * 16 + x % 16);
+    const int block = y % 16 / 4 * 4 + x % 16 / 4;
+    return tile * SIM_TILE_RAYS + static_cast<std::size_t>(block * 16 + y % 4 * 4 + x % 4);
   }
   [[nodiscard]] bool known(int x, int y) const {
     if (x < 0 || y < 0 || x >= width || y >= height) return false;

@@ -93,12 +93,13 @@ TEST(RayGrid, PicturesOfAnySizeAreComplete) {
     for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
       const std::int32_t ray = grid.ray_of_slot[slot];
       if (ray < 0) continue;
-      // A pixel's tile and slot row are those of its column and row.
+      // A pixel's tile and block are those of its column and row.
       const int x = ray % width, y = ray / width;
       const auto tile = static_cast<int>(slot / SIM_TILE_RAYS);
       const auto columns = static_cast<int>(grid.frame.tiles_x);
       ASSERT_EQ(tile, y / 16 * columns + x / 16);
-      ASSERT_EQ(static_cast<int>(slot % SIM_TILE_RAYS), y % 16 * 16 + x % 16);
+      const int block = y % 16 / 4 * 4 + x % 16 / 4;
+      ASSERT_EQ(static_cast<int>(slot % SIM_TILE_RAYS), block * 16 + y % 4 * 4 + x % 4);
       ASSERT_EQ(grid.u[slot], static_cast<float>(x) + 0.5F);
     }
   }

@@ -56,6 +56,12 @@ struct Candidate {
   Decision included;
 };
 
+/// From a centre to the nearest pixel of the four rows that make a block with y: a box has whole blocks of rows.
+double block_distance(double y, double mean) {
+  const double first = std::floor(y / 4.0) * 4.0 + 0.5;
+  return first + std::clamp(std::round(mean - first), 0.0, 3.0) - mean;
+}
+
 Candidate respond(
     const Ray& ray, const Vector3d& mean, const Footprint& f, const Sensor& sensor, const Options& options) {
   const Eigen::Matrix3d unit_from_scene =
@@ -75,7 +81,8 @@ Candidate respond(
   if (!options.ignore_box) {
     double dx = ray.x - f.mean.x();
     if (sensor.kind == SetKind::kLidar && std::abs(ray.x - f.other_x) < std::abs(dx)) dx = ray.x - f.other_x;
-    const double dy = ray.y - f.mean.y();
+    double dy = ray.y - f.mean.y();
+    if (sensor.kind == SetKind::kCamera) dy = block_distance(ray.y, f.mean.y());
     c.included.require(std::abs(dx) <= f.half_width.x(), std::abs(dx) / f.half_width.x() - 1.0);
     c.included.require(std::abs(dy) <= f.half_width.y(), std::abs(dy) / f.half_width.y() - 1.0);
   }

@@ -144,10 +144,10 @@ double rays_per_rad_of(const Sensor& sensor) {
   return sensor.is_camera() ? rays_per_rad(sensor.camera()) : rays_per_rad(sensor.lidar());
 }
 
-/// Rows of a camera's pixels that are told alike, so that this is a quarter of a recorded cell.
-std::uint32_t stacked_rows(const SupportRecord& record,
-                           const std::vector<std::size_t>& views,
-                           const Sensor& sensor) {
+/// Rows of a block of pixels that are told alike, so that this is a quarter of a recorded cell.
+std::uint32_t rows_alike(const SupportRecord& record,
+                         const std::vector<std::size_t>& views,
+                         const Sensor& sensor) {
   if (!sensor.is_camera()) return 1;
   double cell_px = std::numeric_limits<double>::infinity();
   for (const std::size_t v : views) {
@@ -155,10 +155,9 @@ std::uint32_t stacked_rows(const SupportRecord& record,
     cell_px = std::min(cell_px, rays_per_rad_of(sensor) / grid.rows_per_unit);
   }
   constexpr double kNearly = 0.9;
-  std::uint32_t stack = 1;
-  while (stack < SIM_SUPPORT_RUN && cell_px * cell_px > kNearly * 4.0 * 2.0 * stack * SIM_SUPPORT_RUN)
-    stack *= 2;
-  return stack;
+  std::uint32_t rows = 1;
+  while (rows < SIM_BLOCK_SIDE && cell_px * cell_px > kNearly * 4.0 * 2.0 * rows * SIM_SUPPORT_RUN) rows *= 2;
+  return rows;
 }
 
 }  // namespace
@@ -294,16 +293,16 @@ std::vector<float> SupportOnDevice::of(const Frame& frame, const Scene& scene, c
   b.views.assign(with.views);
   b.support.reserve(grid.rays);
   if (grid.without_ray > 0) b.support.fill(0.0);
-  const std::uint32_t stack = stacked_rows(*s.record, views, sensor);
+  const std::uint32_t rows = rows_alike(*s.record, views, sensor);
   const std::size_t slots_of_item =
-      std::size_t{SIM_SUPPORT_RUN} * stack * static_cast<std::size_t>(stage.lanes);
+      std::size_t{SIM_SUPPORT_RUN} * rows * static_cast<std::size_t>(stage.lanes);
   stage.kernel.run_over((grid.frame.slots + slots_of_item - 1) / slots_of_item,
                         {{"frame", grid.frame},
                          {"actors", with.actors},
                          {"count", static_cast<std::uint32_t>(views.size())},
                          {"drops", std::uint32_t{sensor.is_camera() ? 0U : 1U}},
-                         {"stack", stack},
-                         {"in_rows", std::uint32_t{sensor.is_camera() && grid.without_ray == 0 ? 1U : 0U}},
+                         {"rows", rows},
+                         {"in_blocks", std::uint32_t{sensor.is_camera() && grid.without_ray == 0 ? 1U : 0U}},
                          {"sensor_ray", rays.buffers().requested.sensor_ray},
                          {"ray_of_slot", rays.map().ray_of_slot},
                          {"out", outputs},

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
+#include <numeric>
 #include <string>
 
 #include "host/core/base/error.hpp"
@@ -192,16 +193,7 @@ class Support : public testing::TestWithParam<bool> {
   [[nodiscard]] static Sensor sensor() { return GetParam() ? still_camera() : still_lidar(); }
 };
 
-/// The slots whose rays share what is looked up for one of them: runs of 4 in each of `stack` slot rows.
-std::vector<std::size_t> alike(std::size_t run, std::size_t stack) {
-  std::vector<std::size_t> slots;
-  for (std::size_t row = 0; row < stack; ++row) {
-    for (std::size_t k = 0; k < 4; ++k) slots.push_back(run + row * SIM_SLOT_ROW + k);
-  }
-  return slots;
-}
-
-/// The kernel against a sequential loop; `stack`: slot rows that share what is looked up.
+/// The kernel against a sequential loop; `stack`: rows of 4 slots, one behind the other, that share what is looked up.
 void expect_as_sequential(const Sensor& recording, const Sensor& sensor, std::size_t stack) {
   RenderOptions twice;
   twice.precision = Precision::kDouble;
@@ -216,10 +208,10 @@ void expect_as_sequential(const Sensor& recording, const Sensor& sensor, std::si
     std::size_t off = 0, known = 0, compared = 0;
     const RayGrid& grid = FrameAccess::grid(frame);
     const auto ray_at = [&](std::size_t slot) { return grid.ray_of_slot[slot]; };
-    for (std::size_t run = 0; run < grid.ray_of_slot.size(); run += 4) {
-      if (run / SIM_SLOT_ROW % stack != 0) continue;
+    for (std::size_t run = 0; run < grid.ray_of_slot.size(); run += 4 * stack) {
       // The second of the middle row's is looked up, or where there is none the first that is one.
-      const std::vector<std::size_t> slots = alike(run, stack);
+      std::vector<std::size_t> slots(4 * stack);
+      std::iota(slots.begin(), slots.end(), run);
       std::size_t telling = slots[stack / 2 * 4 + 1];
       for (std::size_t k = 0; k < slots.size() && ray_at(telling) < 0; ++k) telling = slots[k];
       if (ray_at(telling) < 0) continue;

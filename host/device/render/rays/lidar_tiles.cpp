@@ -18,7 +18,6 @@ constexpr std::uint32_t kBins = 4096;
 // Of a tile: its slot rows, one for each beam. With 8 beams in two slot rows each particles touch 1.7 times as many of
 // them (PandaSet: 1.03 of a training).
 constexpr std::uint32_t kMostRows = 16;
-constexpr std::uint32_t kMostIndex = LidarTiles::kMostIndex;
 constexpr std::uint32_t kMostRays = SIM_TILE_RAYS;
 // In wider tiles the two places of a particle at the cut could not be told apart.
 constexpr std::uint32_t kFewestColumns = 8;
@@ -71,7 +70,7 @@ LidarTiles tile_rows_of_rays(const Device& device,
   // of measured rays costs a few more.
   const std::uint32_t tile_rays = std::min(group_rays, tile_rows * row_rays);
   out.columns = std::max({kFewestColumns, divided_up(tile_rays, kMostRays), divided_up(row_rays, width)});
-  const std::uint32_t most_columns = std::min(4 * out.columns + 64, kMostIndex);
+  const std::uint32_t most_columns = std::min(4 * out.columns + 64, LidarTiles::kMostColumns);
   for (; out.columns <= most_columns; ++out.columns) {
     const TileBins columns = bins_over(x, out.columns);
     const Uints column_of_bin(device, "columns of bins", LidarTilingStage::iota(out.columns));
@@ -119,10 +118,12 @@ LidarTiles tile_ray_list(const Device& device,
     std::uint32_t groups = 0;
     const Uints group_of_bin = tiler.groups_of(elevations, 1, bins, number, kBins, groups);
     const std::uint32_t group_rays = tiler.fullest_group(elevations, 1, bins, group_of_bin, groups);
-    const std::uint32_t columns = std::clamp(divided_up(group_rays, kMostRays), kFewestColumns, 16384U);
+    // Columns too wide for their two places are cut: at most kFewestColumns more.
+    const std::uint32_t columns = std::clamp(
+        divided_up(group_rays, kMostRays), kFewestColumns, LidarTiles::kMostColumns - kFewestColumns);
     const TileBins x_bins = bins_over(x, std::max(kBins, 4 * columns));
     const auto widest = static_cast<std::uint32_t>(
-        std::min(kTurn / kFewestColumns * static_cast<double>(x_bins.scale), double{kMostIndex}));
+        std::min(kTurn / kFewestColumns * static_cast<double>(x_bins.scale), double{LidarTiles::kMostRows}));
     const Uints column_of_bin =
         tiler.groups_of(places, 1, x_bins, columns, std::max(widest, 1U), out.columns);
     if (!tiler.list_rows(
@@ -145,7 +146,7 @@ LidarTiles tile_ray_list(const Device& device,
   if (best.tile_rows.empty()) {
     throw_input_error("ray list " + sensor,
                       "azimuths",
-                      fmt::format("rays that need more than {} rows", kMostIndex),
+                      fmt::format("rays that need more than {} rows", std::uint32_t{LidarTiles::kMostRows}),
                       "rays spread along the azimuth");
   }
   return best;

@@ -13,15 +13,16 @@ namespace simuli {
 /// Tiles of a LiDAR: tile rows of whole sensor rows x tile columns. A tile's slots are its rows' slots, each
 /// row_slots x 16 of them.
 struct LidarTiles {
-  static constexpr std::uint32_t kMostIndex = 0xffff;  // footprints name rows and tiles in 16 bits
-  std::uint32_t columns = 0;                           // of tiles
-  std::uint32_t row_slots = 0;                         // slot rows of one sensor row in one tile
-  std::vector<std::uint32_t> tile_rows;                // [tile rows + 1] first sensor row of each
-  std::vector<std::uint32_t> tile_row_of_row;          // [rows]
-  float first = 0.0F;                                  // rad, where the first tile starts
-  float scale = 0.0F;                                  // bins per rad
-  std::vector<std::uint32_t> column_of_bin;  // [bins] of x; the bins of a spinning sensor are its columns
-  std::vector<std::uint32_t> slot_of_ray;    // [rays]
+  static constexpr std::uint32_t kMostRows = 0xffff;  // footprints name rows in 16 bits
+  static constexpr std::uint32_t kMostColumns = SIM_MOST_TILE_COLUMNS;
+  std::uint32_t columns = 0;                   // of tiles
+  std::uint32_t row_slots = 0;                 // slot rows of one sensor row in one tile
+  std::vector<std::uint32_t> tile_rows;        // [tile rows + 1] first sensor row of each
+  std::vector<std::uint32_t> tile_row_of_row;  // [rows]
+  float first = 0.0F;                          // rad, where the first tile starts
+  float scale = 0.0F;                          // bins per rad
+  std::vector<std::uint32_t> column_of_bin;    // [bins] of x; the bins of a spinning sensor are its columns
+  std::vector<std::uint32_t> slot_of_ray;      // [rays]
   // Of a ray list, whose rows are made here: rays by row, the rows from top to bottom.
   std::vector<std::uint32_t> order;       // [rays]
   std::vector<std::uint32_t> row_starts;  // [rows + 1] into `order`

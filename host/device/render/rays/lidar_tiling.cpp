@@ -164,7 +164,7 @@ bool LidarTilingStage::list_rows(const BinnedValues& elevation,
   rows.order.reserve(n);
   keys_.run_over(n, {{"elevation", elevation.values}, {"n", n}, {"keys", keys}, {"order", rows.order}});
   sort_.run(keys, rows.order, n, 32);
-  const std::uint32_t most_rows = std::min(n, std::uint32_t{LidarTiles::kMostIndex});
+  const std::uint32_t most_rows = std::min(n, std::uint32_t{LidarTiles::kMostRows});
   rows.starts.reserve(std::size_t{most_rows} + 1);
   rows.group_of_row.reserve(most_rows);
   used_.reserve(std::size_t{2} * columns);

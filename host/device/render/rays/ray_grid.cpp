@@ -6,6 +6,7 @@
 
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
+#include "host/core/base/image.hpp"
 #include "host/core/base/interruption.hpp"
 #include "host/device/render/rays/ray_slots.hpp"
 
@@ -105,22 +106,21 @@ RayGrid make_ray_grid(const Camera& camera, const RayOptions& options) {
   const bool wraps = grid.lens == LensKind::kEquirectangular;
   grid.rays = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
   auto& frame = grid.frame;
-  frame.tiles_x = static_cast<std::uint32_t>((camera.width + SIM_SLOT_ROW - 1) / SIM_SLOT_ROW);
-  frame.tiles_y = static_cast<std::uint32_t>((camera.height + SIM_SLOT_ROWS - 1) / SIM_SLOT_ROWS);
+  frame.tiles_x = static_cast<std::uint32_t>((camera.width + SIM_TILE_SIDE - 1) / SIM_TILE_SIDE);
+  frame.tiles_y = static_cast<std::uint32_t>((camera.height + SIM_TILE_SIDE - 1) / SIM_TILE_SIDE);
   frame.rows = static_cast<std::uint32_t>(camera.height);
   frame.tile_rays = SIM_TILE_RAYS;
-  frame.row_slots = 1;
+  frame.row_slots = 0;
+  static_assert(kLargestSide_px <= SIM_MOST_TILE_COLUMNS * SIM_TILE_SIDE);
   ray_slots::allocate(grid);
-  for (std::uint32_t row = 0; row < frame.rows; row += SIM_SLOT_ROWS) grid.tile_rows.push_back(row);
+  for (std::uint32_t row = 0; row < frame.rows; row += SIM_TILE_SIDE) grid.tile_rows.push_back(row);
   grid.tile_rows.push_back(frame.rows);
   double lowest_cosine = 1.0;  // of the cone about the optical axis that holds all rays
   for (int y = 0; y < camera.height; ++y) {
     Interruption::ask();
     for (int x = 0; x < camera.width; ++x) {
-      const std::size_t tile = static_cast<std::size_t>(y / SIM_SLOT_ROWS) * frame.tiles_x +
-                               static_cast<std::size_t>(x / SIM_SLOT_ROW);
-      const std::size_t slot = tile * SIM_TILE_RAYS +
-                               static_cast<std::size_t>(y % SIM_SLOT_ROWS * SIM_SLOT_ROW + x % SIM_SLOT_ROW);
+      const std::size_t slot = SIM_SLOT_OF_ROW(static_cast<std::size_t>(y), frame.tiles_x) +
+                               SIM_SLOT_OF_COLUMN(static_cast<std::size_t>(x));
       const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
       const std::size_t ray =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(x);

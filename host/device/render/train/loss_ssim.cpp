@@ -28,8 +28,8 @@ Program ssim_program(const Device& device, Precision precision, int lanes) {
 }  // namespace
 
 SsimSizes SsimStage::sizes(std::uint32_t tiles_x, std::uint32_t tiles_y, int lanes) {
-  const std::uint64_t slot_rows = std::uint64_t{tiles_x} * tiles_y * SIM_SLOT_ROW;
-  return {tiles_x, tiles_y, slot_rows / static_cast<std::uint64_t>(lanes)};
+  const std::uint64_t columns = std::uint64_t{tiles_x} * tiles_y * SIM_TILE_SIDE;
+  return {tiles_x, tiles_y, columns / static_cast<std::uint64_t>(lanes)};
 }
 
 SsimStage::SsimStage(const Device& device, Precision precision, int lanes)

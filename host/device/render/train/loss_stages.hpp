@@ -19,7 +19,7 @@ struct SsimSizes {
   static constexpr std::uint64_t kMarginX_px = 16;  // as SIM_SSIM_MARGIN_X of loss_ssim.cl
   /// Pixels of a plane: the picture and its margins.
   [[nodiscard]] std::uint64_t plane() const {
-    return (tiles_x * SIM_SLOT_ROW + 2 * kMarginX_px) * (tiles_y * SIM_SLOT_ROWS + 2 * kRadius_px);
+    return (tiles_x * SIM_TILE_SIDE + 2 * kMarginX_px) * (tiles_y * SIM_TILE_SIDE + 2 * kRadius_px);
   }
 };
 struct SsimBuffers : BufferTable<SsimSizes> {
