@@ -8,8 +8,14 @@ FN Vertex pixel_vertex(const real* rgb, const real* g) {
   return (Vertex)(g[0] * colour, g[1] * colour, g[2] * colour, (REAL_VECTOR(4))(R(0.0)));
 }
 
-/// A work-item takes the pixels of one row y in one column cx of cells, and sums what the two vertices of level z get
-/// there, x weights applied, y weights not yet: all levels at once would not fit into a GPU's registers.
+// Levels that a work-item of color_grid_rows() sums up, 1 or GRID_Z: all at once would not fit into a GPU's registers,
+// and one by one a CPU looks GRID_Z times at each pixel.
+#ifndef GRID_LEVELS
+#define GRID_LEVELS 1
+#endif
+
+/// A work-item takes the pixels of one row y in one column cx of cells, and sums what the two vertices of each of its
+/// levels get there, x weights applied, y weights not yet.
 /// in  out[6][slots]; grad_out[3][slots]: dL/d(picture)
 /// out partial[height][GRID_X - 1][2][GRID_Z][16]
 __kernel void color_grid_rows(const FrameParams frame,
@@ -18,28 +24,37 @@ __kernel void color_grid_rows(const FrameParams frame,
                               __global const real* out,
                               __global const real* grad_out,
                               __global real* partial) {
-  const uint z = get_global_id(0) % GRID_Z, column = get_global_id(0) / GRID_Z;
+  const uint items = GRID_Z / GRID_LEVELS;
+  const uint z = get_global_id(0) % items * GRID_LEVELS, column = get_global_id(0) / items;
   const uint cx = column % (GRID_X - 1), y = column / (GRID_X - 1);
   const uint s = frame.slots;
   if (y >= height) return;
-  Vertex left = (Vertex)(R(0.0)), right = (Vertex)(R(0.0));
+  Vertex left[GRID_LEVELS], right[GRID_LEVELS];
+  SIM_EACH(k, GRID_LEVELS) left[k] = right[k] = (Vertex)(R(0.0));
   const uint row = SIM_SLOT_OF_ROW(y, frame.tiles_x), end = grid_cell_begin(cx + 1, width, GRID_X);
   for (uint x = grid_cell_begin(cx, width, GRID_X); x < end; ++x) {
     const uint i = row + SIM_SLOT_OF_COLUMN(x);
     const real rgb[3] = {out[i], out[s + i], out[2 * s + i]};
     real fz, z_slope;
     const uint low = grid_level(rgb, &fz, &z_slope);
-    if (z != low && z != low + 1) continue;
+    if (low + 1 < z || low >= z + GRID_LEVELS) continue;
     real fx;
     (void)grid_cell(x, width, GRID_X, &fx);
     const real g[3] = {grad_out[i], grad_out[s + i], grad_out[2 * s + i]};
-    const Vertex part = pixel_vertex(rgb, g) * (z == low ? R(1.0) - fz : fz);
-    left += (R(1.0) - fx) * part;
-    right += fx * part;
+    const Vertex vertex = pixel_vertex(rgb, g);
+    SIM_EACH(k, 2) {
+      const uint level = low + k - z;  // below z: far beyond
+      if (level >= GRID_LEVELS) continue;
+      const Vertex part = vertex * (k == 0 ? R(1.0) - fz : fz);
+      left[level] += (R(1.0) - fx) * part;
+      right[level] += fx * part;
+    }
   }
   __global real* target = partial + (ulong)column * (2 * GRID_Z * GRID_VERTEX);
-  vstore16(left, z, target);
-  vstore16(right, GRID_Z + z, target);
+  SIM_EACH(k, GRID_LEVELS) {
+    vstore16(left[k], z + k, target);
+    vstore16(right[k], GRID_Z + z + k, target);
+  }
 }
 
 /// One pixel per work-item, once color_grid_rows() is done.
@@ -66,9 +81,11 @@ __kernel void color_grid_pixels(const FrameParams frame,
   real slope[3];
   grid_apply(slice.along_z, rgb, slope);
   const real by_luminance = slice.z_slope * (g[0] * slope[0] + g[1] * slope[1] + g[2] * slope[2]);
-  grad_out[i] = m.s0 * g[0] + m.s4 * g[1] + m.s8 * g[2] + LUMINANCE_R * by_luminance;
-  grad_out[s + i] = m.s1 * g[0] + m.s5 * g[1] + m.s9 * g[2] + LUMINANCE_G * by_luminance;
-  grad_out[2 * s + i] = m.s2 * g[0] + m.s6 * g[1] + m.sa * g[2] + LUMINANCE_B * by_luminance;
+  const REAL_VECTOR(4) luminance = (REAL_VECTOR(4))(LUMINANCE_R, LUMINANCE_G, LUMINANCE_B, R(0.0));
+  const REAL_VECTOR(4) before = m.s0123 * g[0] + m.s4567 * g[1] + m.s89ab * g[2] + luminance * by_luminance;
+  grad_out[i] = before.s0;
+  grad_out[s + i] = before.s1;
+  grad_out[2 * s + i] = before.s2;
 }
 
 /// One vertex per work-item: sums its rows, then adds the gradients of tv_scale x the squared differences of

@@ -74,10 +74,12 @@ FN void grid_slice(
   s->transform = low + s->fz * s->along_z;
 }
 
+/// m times (rgb, 1), as vectors: a CPU takes elements out of a vertex one by one otherwise.
 FN void grid_apply(Vertex m, const real* rgb, real* out) {
-  out[0] = m.s0 * rgb[0] + m.s1 * rgb[1] + m.s2 * rgb[2] + m.s3;
-  out[1] = m.s4 * rgb[0] + m.s5 * rgb[1] + m.s6 * rgb[2] + m.s7;
-  out[2] = m.s8 * rgb[0] + m.s9 * rgb[1] + m.sa * rgb[2] + m.sb;
+  const REAL_VECTOR(4) product = m.s048c * rgb[0] + m.s159d * rgb[1] + m.s26ae * rgb[2] + m.s37bf;
+  out[0] = product.s0;
+  out[1] = product.s1;
+  out[2] = product.s2;
 }
 
 #endif

@@ -35,7 +35,7 @@ class ColorGridBackwardStage {
            RealBuffer& grads);
 
  private:
-  std::size_t columns_, levels_;          // cells along x; vertices along z
+  std::size_t columns_, row_items_;       // cells along x; work-items that share a row of pixels
   std::size_t vertices_, partial_reals_;  // of one grid; of one row of pixels
   ColorGridScratch scratch_;
   Kernel rows_, pixels_, gather_;

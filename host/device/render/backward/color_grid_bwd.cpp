@@ -4,17 +4,23 @@
 namespace simuli {
 namespace {
 
+int levels_of_item(const Device& device, const ColorGridBuffers& grids) {
+  return device.info().is_cpu ? grids.size_z : 1;
+}
+
 Program program(const Device& device, const ColorGridBuffers& grids) {
-  return {device, "kernels/color_grid_bwd.cl", grids.options()};
+  return {device,
+          "kernels/color_grid_bwd.cl",
+          grids.options().define("GRID_LEVELS", levels_of_item(device, grids))};
 }
 
 }  // namespace
 
 ColorGridBackwardStage::ColorGridBackwardStage(const Device& device, const ColorGridBuffers& grids)
     : columns_(static_cast<std::size_t>(grids.size_x) - 1),
-      levels_(static_cast<std::size_t>(grids.size_z)),
+      row_items_(columns_ * static_cast<std::size_t>(grids.size_z / levels_of_item(device, grids))),
       vertices_(grids.reals() / ColorGridBuffers::kVertexReals),
-      partial_reals_(columns_ * 2 * levels_ * ColorGridBuffers::kVertexReals),
+      partial_reals_(columns_ * 2 * static_cast<std::size_t>(grids.size_z) * ColorGridBuffers::kVertexReals),
       scratch_(device, grids.precision()),
       rows_(program(device, grids), "color_grid_rows"),
       pixels_(program(device, grids), "color_grid_pixels"),
@@ -34,7 +40,7 @@ void ColorGridBackwardStage::run(const shared::FrameParams& frame,
   grads.reserve(grids.reals());
   const std::uint32_t first = grids.first_real(index);
   const auto pixels_x = static_cast<std::uint32_t>(width), pixels_y = static_cast<std::uint32_t>(height);
-  rows_.run_over(columns_ * levels_ * rows,
+  rows_.run_over(row_items_ * rows,
                  {{"frame", frame},
                   {"width", pixels_x},
                   {"height", pixels_y},
