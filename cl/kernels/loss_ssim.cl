@@ -37,10 +37,10 @@ FN int find_strip(const FrameParams* frame, Strip* strip) {
 }
 
 /// Window sum of a plane about V pixels, over pixels `step` apart.
-FN F window_sum(__global const real* centre, __global const real* window, uint step) {
+FN F window_sum(__global const real* centre, const real* taps, uint step) {
   __global const real* at = centre - SIM_SSIM_RADIUS * step;
-  F sum = LDV(at) * window[0];
-  for (uint k = 1; k < SIM_SSIM_TAPS; ++k) sum = fma(LDV(at + k * step), (F)window[k], sum);
+  F sum = (F)R(0.0);
+  SIM_EACH(k, SIM_SSIM_TAPS) sum = fma(LDV(at + k * step), (F)taps[k], sum);
   return sum;
 }
 
@@ -75,13 +75,15 @@ __kernel void ssim_moments(const FrameParams frame,
                            __global real* moments) {
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
+  real taps[SIM_SSIM_TAPS];
+  SIM_EACH(k, SIM_SSIM_TAPS) taps[k] = window[k];
   for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     F sum[6];
     SIM_EACH(m, 6) sum[m] = (F)R(0.0);
-    for (uint k = 0; k < SIM_SSIM_TAPS; ++k) {
+    SIM_EACH(k, SIM_SSIM_TAPS) {
       __global const real* at = planes + pixel + k - SIM_SSIM_RADIUS;
-      const F w = (F)window[k];
+      const F w = (F)taps[k];
       const F x = LDV(at + strip.size), y = LDV(at + 2 * strip.size);
       const F wx = w * x, wy = w * y;
       sum[0] = fma(LDV(at), w, sum[0]);
@@ -108,12 +110,14 @@ __kernel void ssim_windows(const FrameParams frame,
                            __global real* sums) {
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
+  real taps[SIM_SSIM_TAPS];
+  SIM_EACH(k, SIM_SSIM_TAPS) taps[k] = window[k];
   F total = (F)R(0.0);
   for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     const I known = LDV(planes + pixel) > R(0.5);
     F m[6];
-    SIM_EACH(k, 6) m[k] = window_sum(moments + k * strip.size + pixel, window, strip.stride);
+    SIM_EACH(k, 6) m[k] = window_sum(moments + k * strip.size + pixel, taps, strip.stride);
     const F inv_weight = R(1.0) / SEL(known, m[0], (F)R(1.0));
 #pragma unroll
     for (int k = 1; k < 6; ++k) m[k] *= inv_weight;
@@ -143,11 +147,13 @@ __kernel void ssim_slope_rows(const FrameParams frame,
                               __global real* slope_rows) {
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
+  real taps[SIM_SSIM_TAPS];
+  SIM_EACH(k, SIM_SSIM_TAPS) taps[k] = window[k];
   for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     SIM_EACH(k, 3) {
       const uint at = k * strip.size + pixel;
-      STV(slope_rows + at, window_sum(slopes + at, window, 1));
+      STV(slope_rows + at, window_sum(slopes + at, taps, 1));
     }
   }
 }
@@ -162,10 +168,12 @@ __kernel void ssim_gradient(const FrameParams frame,
                             __global real* grad_picture) {
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
+  real taps[SIM_SSIM_TAPS];
+  SIM_EACH(k, SIM_SSIM_TAPS) taps[k] = window[k];
   for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     F g[3];
-    SIM_EACH(k, 3) g[k] = window_sum(slope_rows + k * strip.size + pixel, window, strip.stride);
+    SIM_EACH(k, 3) g[k] = window_sum(slope_rows + k * strip.size + pixel, taps, strip.stride);
     const F x = LDV(planes + strip.size + pixel), y = LDV(planes + 2 * strip.size + pixel);
     const F gradient = fma(x, R(2.0) * g[1], fma(y, g[2], g[0]));
     __global real* slot = grad_picture + channel * frame.slots + strip.slot + SIM_SLOT_OF_ROW(row, 0);
