@@ -117,17 +117,19 @@ __kernel SIM_GROUP void instance_emit(const FrameParams frame,
       const uint slot_row0 = blocks ? row0 / SIM_BLOCK_SIDE * SIM_TILE_BLOCKS : row0 * frame.row_slots;
       const uint slot_row1 =
           blocks ? (row1 / SIM_BLOCK_SIDE + 1) * SIM_TILE_BLOCKS - 1 : (row1 + 1) * frame.row_slots - 1;
+      const uint packed = particle | slot_row0 << SIM_PARTICLE_BITS | slot_row1 << (SIM_PARTICLE_BITS + 4);
       SIM_EACH(part, 2) {
         const uint columns = part == 0 ? f.columns : f.others;
-        const uint begin = ty * frame.tiles_x + SIM_TILE_COLUMN(columns);
+        const uint begin = ty * frame.tiles_x + SIM_TILE_COLUMN(columns), first_place = place;
         for (uint k = 0; k < SIM_HIGH(columns); ++k) {
-          // Of the first and the last tile not all columns of blocks; without blocks these are 0 and the last.
-          const uint from = k == 0 ? slot_row0 + (columns >> 12 & 3u) : slot_row0;
-          const uint to = k + 1 == SIM_HIGH(columns) ? slot_row1 - (~columns >> 14 & 3u) : slot_row1;
           tile[place] = begin + k;
-          payload[place] = particle | from << SIM_PARTICLE_BITS | to << (SIM_PARTICLE_BITS + 4);
+          payload[place] = packed;
           ++place;
         }
+        if (!blocks || place == first_place) continue;
+        // Of the first and the last tile not all columns of blocks.
+        payload[first_place] += (columns >> 12 & 3u) << SIM_PARTICLE_BITS;
+        payload[place - 1] -= (~columns >> 14 & 3u) << (SIM_PARTICLE_BITS + 4);
       }
     }
   }
