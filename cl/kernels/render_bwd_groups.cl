@@ -16,6 +16,7 @@ typedef struct {
   Quarter quarters[SIM_BATCH * SIM_QUARTERS];
   ulong slot[SIM_BATCH];
   uint payload[SIM_BATCH];
+  uint rows_touched[SIM_BATCH];     // as rows_of(): told once, for which there are registers
   uint met[SIM_BATCH * SIM_WORDS];  // [instances]: a bit per work-item that meets it
   uint row_count[SIM_BATCH];        // of each instance
   uint row_first[SIM_BATCH + 1];
@@ -88,6 +89,7 @@ FN void stage_batch(const Tile* tile, const SlotMap* map, uint first, uint count
     const uint packed = tile->payload[tile->begin + first + k];
     const uint particle = packed & SIM_PARTICLE_MASK;
     batch->payload[k] = packed;
+    batch->rows_touched[k] = rows_of(packed);
     batch->slot[k] = gradient_slot(map, particle);
     stage_record(tile->records + (ulong)particle * SIM_RECORD, batch->quarters, k);
   }
@@ -118,11 +120,10 @@ FN void find_met(const Tile* tile,
     if (last > 0) batch->alive = 1;
     SIM_ONE_BY_ONE
     for (uint k = 0; k < last; ++k) {
-      const uint packed = batch->payload[k];
-      if (!touches(packed, j, tile->lid)) continue;
+      if (!(batch->rows_touched[k] >> SIM_VECTOR_ROW(j, tile->lid) & 1u)) continue;
       Instance at;
       staged_record(batch->quarters, k, at.record);
-      complete(tile, first + k, packed, 0, &at);
+      complete(tile, first + k, batch->payload[k], 0, &at);
       RayLanes own;
       Response response;
       meet(tile, &at, seen_by(&at, &ray, &own), &response);
