@@ -15,10 +15,10 @@
 namespace simuli {
 namespace {
 
-/// NAME=VALUE of each -D, but for what is a device's or a sensor's: shapes, digits, sizes of grids.
+/// NAME=VALUE of each -D, but for what is a device's or a sensor's: shapes, digits, sizes of grids, levels at once.
 std::set<std::string> defines_of(const std::string& options) {
   static const std::set<std::string> kElsewhere{
-      "V", "NR", "LS", "RADIX_BITS", "GRID_X", "GRID_Y", "GRID_Z", "SIMULI_REAL_DOUBLE"};
+      "V", "NR", "LS", "RADIX_BITS", "GRID_X", "GRID_Y", "GRID_Z", "GRID_LEVELS", "SIMULI_REAL_DOUBLE"};
   std::set<std::string> out;
   std::istringstream words(options);
   for (std::string word; words >> word;) {
@@ -38,9 +38,12 @@ TEST_F(GpuPrograms, AreAllThatATrainingAndItsRenderingAskFor) {
     defines.merge(defines_of(program.options.text()));
   }
   const Device device = Device::best();
-  TrainingOptions options = training_options(
-      "",
-      {"iterations=3", "image_scale=1", "init.voxel_m=0.15", "color_grids=pictures", "actors.track.learn=true"});
+  TrainingOptions options = training_options("",
+                                             {"iterations=3",
+                                              "image_scale=1",
+                                              "init.voxel_m=0.15",
+                                              "color_grids=pictures",
+                                              "actors.track.learn=true"});
   Training training(device, log_, options);
   training.run();
   const SceneFile file = training.result();
