@@ -128,8 +128,8 @@ __kernel SIM_GROUP void instance_emit(const FrameParams frame,
         }
         if (!blocks || place == first_place) continue;
         // Of the first and the last tile not all columns of blocks.
-        payload[first_place] += (columns >> 12 & 3u) << SIM_PARTICLE_BITS;
-        payload[place - 1] -= (~columns >> 14 & 3u) << (SIM_PARTICLE_BITS + 4);
+        payload[first_place] += SIM_FIRST_IN_TILE(columns) << SIM_PARTICLE_BITS;
+        payload[place - 1] -= (SIM_TILE_BLOCKS - 1 - SIM_LAST_IN_TILE(columns)) << (SIM_PARTICLE_BITS + 4);
       }
     }
   }

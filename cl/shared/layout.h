@@ -126,10 +126,13 @@ SIM_CHECK_SIZE(Footprint, 16);
 #define SIM_HIGH(packed) ((packed) >> 16)
 #define SIM_MOST_TILE_COLUMNS 0x1000u  // 65536 px
 #define SIM_TILE_COLUMN(columns) ((columns)&0xfffu)
-// Columns of blocks, counted from the sensor's first. Without blocks: as if all of a tile's were touched.
-#define SIM_FIRST_BLOCK(columns) (SIM_TILE_COLUMN(columns) * SIM_TILE_BLOCKS + ((columns) >> 12 & 3u))
+// The first column of blocks in the first tile and the last one in the last. Without blocks: 0, and a tile's last.
+#define SIM_FIRST_IN_TILE(columns) ((columns) >> 12 & 3u)
+#define SIM_LAST_IN_TILE(columns) ((columns) >> 14 & 3u)
+// The same, counted from the sensor's first.
+#define SIM_FIRST_BLOCK(columns) (SIM_TILE_COLUMN(columns) * SIM_TILE_BLOCKS + SIM_FIRST_IN_TILE(columns))
 #define SIM_LAST_BLOCK(columns) \
-  ((SIM_TILE_COLUMN(columns) + SIM_HIGH(columns) - 1) * SIM_TILE_BLOCKS + ((columns) >> 14 & 3u))
+  ((SIM_TILE_COLUMN(columns) + SIM_HIGH(columns) - 1) * SIM_TILE_BLOCKS + SIM_LAST_IN_TILE(columns))
 #define SIM_COLUMNS(first_block, last_block)                                 \
   ((first_block) / SIM_TILE_BLOCKS | (first_block) % SIM_TILE_BLOCKS << 12 | \
    (last_block) % SIM_TILE_BLOCKS << 14 |                                    \
