@@ -36,6 +36,11 @@ FN int find_strip(const FrameParams* frame, Strip* strip) {
   return tile < frame->tiles_x * frame->tiles_y;
 }
 
+/// Once for all rows, so that weights stay in registers.
+FN void load_taps(__global const real* window, real* taps) {
+  SIM_EACH(k, SIM_SSIM_TAPS) taps[k] = window[k];
+}
+
 /// Window sum of a plane about V pixels, over pixels `step` apart.
 FN F window_sum(__global const real* centre, const real* taps, uint step) {
   __global const real* at = centre - SIM_SSIM_RADIUS * step;
@@ -76,7 +81,7 @@ __kernel void ssim_moments(const FrameParams frame,
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
   real taps[SIM_SSIM_TAPS];
-  SIM_EACH(k, SIM_SSIM_TAPS) taps[k] = window[k];
+  load_taps(window, taps);
   for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     F sum[6];
@@ -111,7 +116,7 @@ __kernel void ssim_windows(const FrameParams frame,
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
   real taps[SIM_SSIM_TAPS];
-  SIM_EACH(k, SIM_SSIM_TAPS) taps[k] = window[k];
+  load_taps(window, taps);
   F total = (F)R(0.0);
   for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
@@ -148,7 +153,7 @@ __kernel void ssim_slope_rows(const FrameParams frame,
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
   real taps[SIM_SSIM_TAPS];
-  SIM_EACH(k, SIM_SSIM_TAPS) taps[k] = window[k];
+  load_taps(window, taps);
   for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     SIM_EACH(k, 3) {
@@ -169,7 +174,7 @@ __kernel void ssim_gradient(const FrameParams frame,
   Strip strip;
   if (!find_strip(&frame, &strip)) return;
   real taps[SIM_SSIM_TAPS];
-  SIM_EACH(k, SIM_SSIM_TAPS) taps[k] = window[k];
+  load_taps(window, taps);
   for (uint row = 0; row < SIM_TILE_SIDE; ++row) {
     const uint pixel = strip.pixel + row * strip.stride;
     F g[3];

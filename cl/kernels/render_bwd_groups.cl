@@ -120,7 +120,7 @@ FN void find_met(const Tile* tile,
     if (last > 0) batch->alive = 1;
     SIM_ONE_BY_ONE
     for (uint k = 0; k < last; ++k) {
-      if (!(batch->rows_touched[k] >> SIM_VECTOR_ROW(j, tile->lid) & 1u)) continue;
+      if (!touches(batch->rows_touched[k], j, tile->lid)) continue;
       Instance at;
       staged_record(batch->quarters, k, at.record);
       complete(tile, first + k, batch->payload[k], 0, &at);

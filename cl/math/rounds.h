@@ -64,7 +64,7 @@ FN void gather(const Tile* tile,
   round->left_over = (F)(real)count;
   for (uint i = begin; i < count; ++i) {
     const uint packed = tile->payload[tile->begin + i];
-    if (!touches(packed, j, tile->lid)) continue;
+    if (!touches(rows_of(packed), j, tile->lid)) continue;
     Instance at;
     load_instance(tile, i, &at);
     RayLanes own;

@@ -26,8 +26,8 @@ FN uint rows_of(uint payload) {
 #endif
 }
 
-/// Whether it touches vector j of a work-item.
-FN int touches(uint payload, int j, uint lid) { return rows_of(payload) >> SIM_VECTOR_ROW(j, lid) & 1u; }
+/// Whether vector j of a work-item lies in one of `rows`, a bit each.
+FN uint touches(uint rows, int j, uint lid) { return rows >> SIM_VECTOR_ROW(j, lid) & 1u; }
 
 /// The vectors of a work-item that it touches, a bit each.
 FN uint vectors_of(uint payload, uint lid) {
@@ -42,8 +42,7 @@ FN uint vectors_of(uint payload, uint lid) {
   return rows | rows << 1;
 #else
   uint vectors = 0;
-#pragma unroll
-  for (int j = 0; j < NR; ++j) vectors |= (rows >> SIM_VECTOR_ROW(j, lid) & 1u) << j;
+  SIM_EACH(j, NR) vectors |= touches(rows, j, lid) << j;
   return vectors;
 #endif
 }
@@ -57,7 +56,9 @@ FN uint vectors_of(uint payload, uint lid) {
 #endif
 // Over those of `vectors`, a bit each, which is used up.
 #if LS > 1
-#define SIM_EACH_VECTOR_OF(j, vectors) _Pragma("unroll") for (int j = 0; j < NR; ++j) if (vectors >> j & 1u)
+#define SIM_EACH_VECTOR_OF(j, vectors) \
+  SIM_EACH(j, NR)                      \
+    if (vectors >> j & 1u)
 #else
 #define SIM_LOWEST(bits) ((int)(31u - clz(bits & -bits)))
 #define SIM_EACH_VECTOR_OF(j, vectors) \
