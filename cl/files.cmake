@@ -45,7 +45,7 @@ set(SIMULI_CL_FILES
   kernels/actor.cl
   kernels/adam.cl
   kernels/anchor.cl
-  kernels/beside.cl
+  kernels/off_trajectory.cl
   kernels/bin.cl
   kernels/color_grid.cl
   kernels/color_grid_bwd.cl

@@ -38,24 +38,24 @@ function(forbid folders regex why)
   set(broken ${broken} PARENT_SCOPE)
 endfunction()
 
-# Who may include whom is held by compiler and linker (host/rooms.cmake): a room sees the headers of the rooms
-# that it links. What is left to say is which rooms a room may link. allow(ROOM_REGEX REGEX WHY).
-file(GLOB_RECURSE room_lists RELATIVE "${ROOT}" "${ROOT}/host/*CMakeLists.txt" "${ROOT}/io/*CMakeLists.txt"
+# Compiler and linker enforce includes (host/modules.cmake): a module sees only headers of modules that it links.
+# These rules restrict which modules a module may link. allow(MODULE_REGEX REGEX WHY).
+file(GLOB_RECURSE module_lists RELATIVE "${ROOT}" "${ROOT}/host/*CMakeLists.txt" "${ROOT}/io/*CMakeLists.txt"
      "${ROOT}/optim/*CMakeLists.txt" "${ROOT}/bench/*CMakeLists.txt")
-function(allow rooms allowed why)
-  foreach(file IN LISTS room_lists)
+function(allow modules allowed why)
+  foreach(file IN LISTS module_lists)
     file(READ "${ROOT}/${file}" text)
-    string(REGEX MATCHALL "simuli_room\\([^)]+\\)" calls "${text}")
+    string(REGEX MATCHALL "simuli_module\\([^)]+\\)" calls "${text}")
     foreach(call IN LISTS calls)
-      string(REGEX MATCH "simuli_room\\(([a-z0-9_/]+)" unused "${call}")
-      set(room "${CMAKE_MATCH_1}")
-      if(NOT room MATCHES "^(${rooms})" OR NOT call MATCHES "ROOMS([ \na-z0-9_/]+)")
+      string(REGEX MATCH "simuli_module\\(([a-z0-9_/]+)" unused "${call}")
+      set(module "${CMAKE_MATCH_1}")
+      if(NOT module MATCHES "^(${modules})" OR NOT call MATCHES "MODULES([ \na-z0-9_/]+)")
         continue()
       endif()
       string(REGEX MATCHALL "[a-z0-9_/]+" linked "${CMAKE_MATCH_1}")
       foreach(other IN LISTS linked)
         if(NOT other MATCHES "^(${allowed})")
-          broken_rule("${file}: ${room} links ${other}: ${why}")
+          broken_rule("${file}: ${module} links ${other}: ${why}")
         endif()
       endforeach()
     endforeach()
@@ -79,7 +79,7 @@ forbid("cl" "\"(host|io|optim|tests|bench)/" "cl includes nothing above it")
 forbid("host/apps/api;host/apps/python" "\"(host/apps/cli|bench|tests)/" "the library knows neither the program nor the benches")
 forbid("cl;host/apps/python;host/core/base;host/core/scene;host/core/sensors;host/device/render;host/apps/cli;io;optim;tests;bench;examples" "[<\"]CL/"
        "only host/device/runtime includes <CL/*>")
-forbid("host/apps/api;host/core/base;host/apps/cli/base;host/apps/cli/draw;host/apps/cli/report;host/apps/cli/view;io;optim/base;optim/eval;optim/init;optim/log;optim/train"
+forbid("host/apps/api;host/core/base;host/apps/cli/base;host/apps/cli/draw;host/apps/cli/report;host/apps/cli/view;io;optim/base;optim/eval;optim/init;optim/train"
        "\"optim/calibration/" "only calibration, which a build may lack, includes its own headers")
 file(GLOB api_sources RELATIVE "${ROOT}" "${ROOT}/host/apps/api/*.?pp" "${ROOT}/host/apps/api/*.h")
 foreach(file IN LISTS api_sources)

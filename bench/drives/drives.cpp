@@ -242,7 +242,7 @@ class Drives {
     Log log = c.drive->log;
     if (!c.labels && has_boxes(log, options)) log.actors.clear();
     TrainingOptions timed = options;
-    timed.keep_start = false;
+    timed.cache_initialization = false;
     Training training(device_, std::move(log), timed);
     Taken before;
     if (fs::exists(keeper.checkpoint())) {

@@ -10,7 +10,7 @@
 #include "host/core/base/stopwatch.hpp"
 #include "io/synth/street.hpp"
 #include "optim/base/frames.hpp"
-#include "optim/support/support_reliability.hpp"
+#include "optim/complete/support_reliability.hpp"
 
 namespace simuli::bench {
 namespace {

@@ -22,7 +22,7 @@ class Table5 {
     training_.init.environment_width = kEnvironmentWidth;
     training_.train.iterations = options.iterations;
     training_.train.render = paper_options();
-    training_.train.look.color_grids = ColorGridsOf::kPictures;
+    training_.train.appearance.color_grids = ColorGridsOf::kPictures;
     training_.train.anchor = kPaperAnchors;
     fields_of(training_).apply(drive.settings, "settings");
   }
@@ -88,7 +88,7 @@ std::vector<Row> run_table5(const std::string& device_request,
   Table5 table(device, drive, options, note);
   for (const double weight : {0.0, 0.001, 0.01, 0.1}) table.add_unified(weight);
   TrainingOptions without_grid = table.options();
-  without_grid.train.look.color_grids = ColorGridsOf::kNone;
+  without_grid.train.appearance.color_grids = ColorGridsOf::kNone;
   table.add_factorised("without_grid", without_grid);
   TrainingOptions without_environment = table.options();
   without_environment.init.environment_width = 0;

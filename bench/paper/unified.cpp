@@ -7,7 +7,7 @@
 #include "host/device/render/train/adam.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/train/schedule.hpp"
-#include "optim/train/trained_look.hpp"
+#include "optim/train/trained_appearance.hpp"
 #include "optim/train/truth.hpp"
 
 namespace simuli::bench {
@@ -145,7 +145,7 @@ class UnifiedTrainer {
   Renderer renderer_;
   TruthCache truth_;
   SensorSide camera_, lidar_;
-  TrainedLook look_;
+  TrainedAppearance look_;
   Buffer<std::uint32_t> keys_;
   FrameOrder images_, sweeps_;
 };

@@ -40,7 +40,7 @@ constexpr std::uint64_t kTriadReals = std::uint64_t{1} << 25U;  // 128 MB an arr
 constexpr double kLeast_s = 5e-3;  // of a launch: clocks of GPUs rise with the load
 constexpr int kRuns = 7;
 
-// As kernels/render.cl walks its lists; of blending it keeps what retires rays.
+// As kernels/render.cl walks its lists; of blending it keeps what terminates rays.
 constexpr std::string_view kVisitsText = R"(
 #include "math/response.h"
 #include "math/tile.h"
@@ -114,7 +114,7 @@ struct Operations {
 constexpr Operations kCameraOperations{1037, 880, 6}, kLidarOperations{1970, 879, 143};
 constexpr std::uint64_t kRespond = 24, kRespondWithOrigins = 57;  // a lane looked at
 constexpr std::uint64_t kBlend = 31, kBlendBackward = 123;        // a lane of a vector that changes
-constexpr std::uint64_t kSum = 20, kBackwardSlot = 9;             // a lane of an instance; a slot
+constexpr std::uint64_t kSum = 20, kBackwardSlot = 9;             // a lane of an pair; a slot
 
 }  // namespace
 
@@ -178,7 +178,7 @@ std::map<std::string, StageWork> stage_work(const Pass& pass) {
   const FrameKind& kind = pass.variant().frame;
   const bool is_lidar = kind.sensor == SensorType::kLidar;
   const Operations& operations = is_lidar ? kLidarOperations : kCameraOperations;
-  const std::uint64_t visible = pass.buffers().binned.visible, instances = pass.buffers().binned.instances;
+  const std::uint64_t visible = pass.buffers().binned.visible, pairs = pass.buffers().binned.pairs;
   const std::uint64_t particles = pass.frame().particles, slots = pass.frame().slots,
                       tiles = std::uint64_t{pass.frame().tiles_x} * pass.frame().tiles_y;
   const std::uint64_t coefficients =
@@ -199,21 +199,21 @@ std::map<std::string, StageWork> stage_work(const Pass& pass) {
       giga(particles * (SIM_SH * kReal + kWord) + visible * (coefficients * kReal + kRecord + kFootprint))};
   work["bin"] = {0.0,
                  giga(2 * particles * kWord + visible * (2 * kWord + 2 * (kWord + kFootprint)) +
-                      instances * (2 * kWord + kWord) + tiles * kWord)};
+                      pairs * (2 * kWord + kWord) + tiles * kWord)};
   work["sort"] = {
       0.0,
       giga(5 * kWord *
-           (visible * SortStage::passes(device, 32) + instances * SortStage::passes(device, tile_bits)))};
+           (visible * SortStage::passes(device, 32) + pairs * SortStage::passes(device, tile_bits)))};
   work["blend"] = {giga(looked * respond + changed * kBlend + slots * operations.blend_slot),
-                   giga(slots * (ray_rows + outputs) * kReal + visible * kRecord + instances * kWord)};
+                   giga(slots * (ray_rows + outputs) * kReal + visible * kRecord + pairs * kWord)};
   work["blend_backward"] = {
       giga(looked * respond + changed * kBlendBackward + slots * kBackwardSlot +
-           instances * kSum * lanes * static_cast<std::uint64_t>(pass.variant().options.shape.work_items)),
+           pairs * kSum * lanes * static_cast<std::uint64_t>(pass.variant().options.shape.work_items)),
       giga(slots * (ray_rows + outputs + 5) * kReal + visible * (kRecord + kFootprint + kWord) +
-           instances * (kWord + kGradient))};
+           pairs * (kWord + kGradient))};
   work["project_backward"] = {
       giga(operations.project_backward * visible),
-      giga(visible * ((SIM_SH + coefficients) * kReal + kFootprint + 3 * kReal) + instances * kGradient +
+      giga(visible * ((SIM_SH + coefficients) * kReal + kFootprint + 3 * kReal) + pairs * kGradient +
            particles * ((SIM_SH + coefficients) * kReal + 2 * kWord))};
   return work;
 }

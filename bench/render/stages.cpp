@@ -23,8 +23,8 @@ const std::map<std::string, std::string>& stage_of_kernel() {
       {"scan_exclusive", "sort"},
       {"visible_count", "bin"},
       {"visible_write", "bin"},
-      {"instance_count", "bin"},
-      {"instance_emit", "bin"},
+      {"pair_count", "bin"},
+      {"pair_emit", "bin"},
       {"tile_ranges", "bin"},
       {"render", "blend"},
       {"render_window", "blend"},
@@ -58,19 +58,19 @@ class Case {
     view_ = {pose, pose, {0.0F, 0.0F, 0.0F}};
   }
 
-  /// Share of the tile instances that no ray of their tile meets, in %: what a finer test per tile could
+  /// Share of the tile pairs that no ray of their tile meets, in %: what a finer test per tile could
   /// save. Only where no ray is done before its last particle.
-  double instances_without_ray() {
+  double pairs_without_ray() {
     pass_ = renderer_.render(particles_, rays_, view_);
     pass_->set_output_gradients(std::vector<double>(5 * rays(), 1.0));
     pass_->backward(particles_, param_grads_);
     // The gradient of a feature is the sum of its weights.
     const std::vector<float> grads = pass_->gradients().grads.download_float();
-    const std::size_t instances = pass_->buffers().binned.instances;
+    const std::size_t pairs = pass_->buffers().binned.pairs;
     std::size_t without = 0;
-    for (std::size_t i = 0; i < instances; ++i)
+    for (std::size_t i = 0; i < pairs; ++i)
       without += grads[i * SIM_GRAD + SIM_G_FEATURE] == 0.0F ? 1 : 0;
-    return 100.0 * static_cast<double>(without) / static_cast<double>(instances);
+    return 100.0 * static_cast<double>(without) / static_cast<double>(pairs);
   }
 
   /// One frame; its gradients as well when `backward`.
@@ -171,7 +171,7 @@ std::vector<Row> run_stages(const std::string& device_request,
                      base,
                      buffers.binned.visible,
                      options.particles,
-                     buffers.binned.instances,
+                     buffers.binned.pairs,
                      shaped.rays()));
     for (const char* stage : {"rays",
                               "project",
@@ -201,12 +201,12 @@ std::vector<Row> run_stages(const std::string& device_request,
                     mega * frame.half_iqr / (frame.median * frame.median)});
     // What a model of another device needs (bench/gpu/model.py).
     for (const auto& [what, count] : {std::pair{"visible", std::size_t{buffers.binned.visible}},
-                                      {"instances", std::size_t{buffers.binned.instances}},
+                                      {"pairs", std::size_t{buffers.binned.pairs}},
                                       {"rays_in_tiles", std::size_t{shaped.pass().frame().slots}}}) {
       rows.push_back({base + "/" + what, static_cast<double>(count), "1", 0.0});
     }
-    const double without = Case(device, kind, options, no_ray_done).instances_without_ray();
-    rows.push_back({base + "/instances_without_ray", without, "%", 0.0});
+    const double without = Case(device, kind, options, no_ray_done).pairs_without_ray();
+    rows.push_back({base + "/pairs_without_ray", without, "%", 0.0});
   }
   return rows;
 }

@@ -13,8 +13,8 @@ namespace simuli::bench {
 /// sensor that sweeps 60 degrees. Where every cell holds a ray, nothing is asked, and both are alike.
 ///   table7/<case>_<n>k/<project|sort|bin|blend|frame>_<off|on>  ms
 ///   table7/<case>_<n>k/<...>_saved                              % of off
-///   table7/<case>_<n>k/<particles|instances>_removed            % of the visible ones
-///   table7/<case>_<n>k/instances_in_empty_tiles                 % of those left: what a test per tile could
+///   table7/<case>_<n>k/<particles|pairs>_removed            % of the visible ones
+///   table7/<case>_<n>k/pairs_in_empty_tiles                 % of those left: what a test per tile could
 ///                                                               remove besides
 ///   table7/full_sweep_<n>k/particles_<beside|between>_the_beams % that the beams' own elevations drop in
 ///                                                               projection, without any mask

@@ -50,7 +50,7 @@ double wall_at(const StreetSolid& s, double u, const Vector3d& p, std::uint64_t 
       return tone * (1.0 + masonry(u, p.z(), 0.25, 0.083, 0.55, seed, footprint_m));
     case 2:
       return tone * (1.0 + masonry(u, p.z(), 0.8, 0.4, 0.22, seed, footprint_m));
-    case 3:  // brick with lighter courses
+    case 3:  // brick with lighter training_runs
       return tone *
              (wrap(p.z(), 1.0) < 0.17 ? 1.25 : 1.0 + masonry(u, p.z(), 0.24, 0.1, 0.45, seed, footprint_m));
     default: {  // boards

@@ -1,4 +1,4 @@
-// bin.cl - visible particles -> tile instances -> tile ranges. Launcher: host/device/render/frame/bin.cpp
+// bin.cl - visible particles -> tile pairs -> tile ranges. Launcher: host/device/render/frame/bin.cpp
 // Every work-item owns `chunk` consecutive elements: few work-items with long loops suit CPUs, many with
 // short ones, in groups of LS, GPUs. All orders are fixed by the input, none by scheduling.
 #include "math/lanes.h"
@@ -16,7 +16,7 @@ FN uint cluster_shift(uint paged, __global const uint* cluster_at, uint i) {
 
 /// in  keys[n]; live[clusters]: 0 where all keys of a cluster are those of culled particles
 ///     footprints[n]; with `paged` cluster_at[clusters] as project.cl takes it: keys and footprints lie by particle
-/// out counts[2][work-items]: visible particles of each chunk, and their tile instances, 0xffffffff if these don't fit
+/// out counts[2][work-items]: visible particles of each chunk, and their tile pairs, 0xffffffff if these don't fit
 ///     32 bits: both sums are known before anything is sorted.
 __kernel SIM_GROUP void visible_count(__global const uint* keys,
                                       __global const uint* live,
@@ -29,7 +29,7 @@ __kernel SIM_GROUP void visible_count(__global const uint* keys,
   const uint first = min((uint)get_global_id(0) * chunk, n);
   const uint last = min(first + chunk, n);
   uint count = 0;
-  ulong instances = 0;
+  ulong pairs = 0;
   for (uint i = first; i < last;) {
     const uint end = cluster_end(i, last);
     const uint shift = cluster_shift(paged, cluster_at, i);
@@ -37,11 +37,11 @@ __kernel SIM_GROUP void visible_count(__global const uint* keys,
     for (; i < end; ++i) {
       if (keys[i + shift] == 0xffffffffu) continue;
       ++count;
-      instances += SIM_TILES(footprints[i + shift]);
+      pairs += SIM_TILES(footprints[i + shift]);
     }
   }
   counts[get_global_id(0)] = count;
-  counts[get_global_size(0) + get_global_id(0)] = (uint)min(instances, (ulong)0xffffffffu);
+  counts[get_global_size(0) + get_global_id(0)] = (uint)min(pairs, (ulong)0xffffffffu);
 }
 
 /// in  offsets[work-items]: exclusive prefix sum of counts
@@ -72,8 +72,8 @@ __kernel SIM_GROUP void visible_write(__global const uint* keys,
 }
 
 /// in  order[M]: visible particles by range
-/// out counts[work-items]: tile instances of each chunk; the sum of all fits 32 bits
-__kernel SIM_GROUP void instance_count(__global const uint* order,
+/// out counts[work-items]: tile pairs of each chunk; the sum of all fits 32 bits
+__kernel SIM_GROUP void pair_count(__global const uint* order,
                                        const uint m,
                                        const uint chunk,
                                        __global const Footprint* footprints,
@@ -88,10 +88,10 @@ __kernel SIM_GROUP void instance_count(__global const uint* order,
   counts[get_global_id(0)] = count;
 }
 
-/// Writes the instances of each particle, nearest particle first.
+/// Writes the pairs of each particle, nearest particle first.
 /// in  tile_rows[tiles_y + 1]: first sensor row of each tile row
 /// out tile[K]; payload[K]: particle | first slot row << 24 | last slot row << 28, of blocks those in two corners
-__kernel SIM_GROUP void instance_emit(const FrameParams frame,
+__kernel SIM_GROUP void pair_emit(const FrameParams frame,
                                       __global const uint* order,
                                       const uint m,
                                       const uint chunk,
@@ -114,10 +114,10 @@ __kernel SIM_GROUP void instance_emit(const FrameParams frame,
       const uint row0 = max(row_first, top) - top;
       const uint row1 = min(row_last + 1, tile_rows[ty + 1]) - 1 - top;
       const int blocks = frame.row_slots == 0;
-      const uint slot_row0 = blocks ? row0 / SIM_BLOCK_SIDE * SIM_TILE_BLOCKS : row0 * frame.row_slots;
-      const uint slot_row1 =
+      const uint ray_block0 = blocks ? row0 / SIM_BLOCK_SIDE * SIM_TILE_BLOCKS : row0 * frame.row_slots;
+      const uint ray_block1 =
           blocks ? (row1 / SIM_BLOCK_SIDE + 1) * SIM_TILE_BLOCKS - 1 : (row1 + 1) * frame.row_slots - 1;
-      const uint packed = particle | slot_row0 << SIM_PARTICLE_BITS | slot_row1 << (SIM_PARTICLE_BITS + 4);
+      const uint packed = particle | ray_block0 << SIM_PARTICLE_BITS | ray_block1 << (SIM_PARTICLE_BITS + 4);
       SIM_EACH(part, 2) {
         const uint columns = part == 0 ? f.columns : f.others;
         const uint begin = ty * frame.tiles_x + SIM_TILE_COLUMN(columns), first_place = place;
@@ -136,18 +136,18 @@ __kernel SIM_GROUP void instance_emit(const FrameParams frame,
 }
 
 /// in  tile[K]: sorted
-/// out first[tiles + 1]: instances of tile t are [first[t], first[t+1])
+/// out first[tiles + 1]: pairs of tile t are [first[t], first[t+1])
 __kernel SIM_GROUP void tile_ranges(
     __global const uint* tile, const uint k, const uint chunk, const uint tiles, __global uint* first) {
   const uint begin = min((uint)get_global_id(0) * chunk, k);
   const uint end = min(begin + chunk, k);
-  // The work-item that owns instance i opens every tile after that of instance i-1 up to its own.
+  // The work-item that owns pair i opens every tile after that of pair i-1 up to its own.
   for (uint i = begin; i < end; ++i) {
     const uint here = tile[i];
     const uint from = i == 0 ? 0 : tile[i - 1] + 1;
     for (uint t = from; t <= here; ++t) first[t] = i;
   }
-  // The last instance's owner opens those that follow it; of none, the first work-item opens all.
+  // The last pair's owner opens those that follow it; of none, the first work-item opens all.
   if (k == 0 ? get_global_id(0) == 0 : begin < end && end == k) {
     const uint from = k == 0 ? 0 : tile[k - 1] + 1;
     for (uint t = from; t <= tiles; ++t) first[t] = k;

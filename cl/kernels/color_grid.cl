@@ -17,7 +17,7 @@ __kernel void color_grid(const FrameParams frame,
   if (i >= s) return;
   const uint tile = i / SIM_TILE_RAYS, inside = i % SIM_TILE_RAYS;
   // Slots beyond the picture have no pixel; the nearest one's transform does them no harm.
-  const uint block = inside / SIM_SLOT_ROW, place = inside % SIM_SLOT_ROW;
+  const uint block = inside / SIM_RAY_BLOCK, place = inside % SIM_RAY_BLOCK;
   const uint column = block % SIM_TILE_BLOCKS * SIM_BLOCK_SIDE + place % SIM_BLOCK_SIDE;
   const uint row = block / SIM_TILE_BLOCKS * SIM_BLOCK_SIDE + place / SIM_BLOCK_SIDE;
   const uint x = min(tile % frame.tiles_x * SIM_TILE_SIDE + column, width - 1);

@@ -53,17 +53,17 @@ __kernel void beam_error(const uint slots,
   error[i] = fired && sum < R(1e30) ? sum : R(0.0);
 }
 
-/// Adds the errors of a particle's instances, which render_bwd has weighted by blending, in the order of its slots.
+/// Adds the errors of a particle's pairs, which render_bwd has weighted by blending, in the order of its slots.
 __kernel void accumulate_error(const uint n,
                                __global const uint* keys,
                                __global const Footprint* footprints,
                                __global const uint* slot_first,
-                               __global const real* instance_error,
+                               __global const real* pair_error,
                                __global real* accumulated) {
   const uint i = get_global_id(0);
   if (i >= n || keys[i] == 0xffffffffu) return;
   const uint count = SIM_TILES(footprints[i]);
-  const __global real* slot = instance_error + slot_first[i];
+  const __global real* slot = pair_error + slot_first[i];
   real sum = accumulated[i];
   for (uint k = 0; k < count; ++k) sum += slot[k];
   accumulated[i] = sum;

@@ -7,7 +7,7 @@ struct Blending {
   __global uint* largest;
 };
 
-FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct Blending* b) {
+FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blending* b) {
   F most = (F)R(0.0);
   uint vectors = vectors_of(at->packed, tile->lid) & *alive;
   SIM_EACH_VECTOR_OF(j, vectors) {
@@ -18,7 +18,7 @@ FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct
     const F weight = alpha_of(response.inside, at->record, response.q, tile->log_cut) * b->transmittance[j];
     most = VMAX(most, weight);
     b->transmittance[j] -= weight;
-    retire(AND(b->transmittance[j] < tile->t_cut, response.inside), j, &b->ray[j], alive);
+    terminate_ray(AND(b->transmittance[j] < tile->t_cut, response.inside), j, &b->ray[j], alive);
   }
   const uint bits = as_uint((float)HMAX(most));
   // Not read beforehand: others write it meanwhile.

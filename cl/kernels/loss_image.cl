@@ -4,7 +4,7 @@
 #include "shared/layout.h"
 
 /// LS work-items per tile. With d = rendered - truth, L = sum over pixels and channels of
-/// absolute_scale |d| + squared_scale d^2: of what a static scene can't foretell (leaves, cars that pass) the
+/// absolute_scale |d| + squared_scale d^2: of what a static scene can't estimate (leaves, cars that pass) the
 /// first learns the median, the second the mean.
 /// A pixel whose truth is negative is not known and has no part in it. Where sky_scale > 0, L has
 /// sky_scale max(0, (1 - T) - D sky_per_m) of each pixel that shows sky: of a particle its weight times how much nearer

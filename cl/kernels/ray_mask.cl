@@ -20,7 +20,7 @@ __kernel void ray_mask_cells(const FrameParams frame,
   if (sensor_ray[slot] == R(0.0) && sensor_ray[s + slot] == R(0.0) && sensor_ray[2 * s + slot] == R(0.0))
     return;
   const uint tile = slot / frame.tile_rays;
-  const uint row = tile_rows[tile / frame.tiles_x] + slot % frame.tile_rays / SIM_SLOT_ROW / frame.row_slots;
+  const uint row = tile_rows[tile / frame.tiles_x] + slot % frame.tile_rays / SIM_RAY_BLOCK / frame.row_slots;
   const uint column = cell_of(ray_u[slot], first, scale, (real)columns);
   atomic_or(cells + mask_row_of_row[row] * columns + column, 1u);
 }

@@ -13,7 +13,7 @@ struct Blending {
   Features features;
 };
 
-FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct Blending* b) {
+FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blending* b) {
   uint vectors = vectors_of(at->packed, tile->lid) & *alive;
   SIM_EACH_VECTOR_OF(j, vectors) {
     RayLanes own;
@@ -51,7 +51,7 @@ FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct
 #endif
 #endif
     b->transmittance[j] = left;
-    retire(AND(left < tile->t_cut, response.inside), j, &b->ray[j], alive);
+    terminate_ray(AND(left < tile->t_cut, response.inside), j, &b->ray[j], alive);
   }
 }
 
@@ -63,7 +63,7 @@ FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct
 ///     is the first feature, over a background of 0, and in its place stands the actor there. Slots
 ///     without a ray get the background.
 /// Particle outer, rays inner: the particle's record is read once per tile and only the slot rows that its
-/// footprint touches are visited, of these the vectors that still have a ray. A ray is retired (direction
+/// footprint touches are visited, of these the vectors that still have a ray. A ray is terminated (direction
 /// zeroed) once T < transmittance cut.
 __kernel SIM_GROUP void render(const FrameParams frame,
                                __global const SensorConstants* sensor,

@@ -2,9 +2,9 @@
 #include "math/gradient_slot.h"
 #include "math/response_bwd.h"
 
-// A group goes through its tile's list in batches: first which work-items have a ray that meets which instance, then
-// what these add up to. Most meet few: only those that do have a row of sums, numbered by instance, then by work-item.
-#define SIM_BATCH 32        // instances: a bit each
+// A group goes through its tile's list in batches: first which work-items have a ray that meets which pair, then
+// what these add up to. Most meet few: only those that do have a row of sums, numbered by pair, then by work-item.
+#define SIM_BATCH 32        // pairs: a bit each
 #define SIM_BATCH_ROWS 128  // that local memory holds; a batch of more goes on when these have been added up
 #define SIM_ROW (SIM_GRAD + 1)  // the last for the blended error; odd, so that columns lie in different banks
 #define SIM_WORDS ((LS + 31) / 32)
@@ -17,8 +17,8 @@ typedef struct {
   ulong slot[SIM_BATCH];
   uint payload[SIM_BATCH];
   uint rows_touched[SIM_BATCH];     // as rows_of(): told once, for which there are registers
-  uint met[SIM_BATCH * SIM_WORDS];  // [instances]: a bit per work-item that meets it
-  uint row_count[SIM_BATCH];        // of each instance
+  uint met[SIM_BATCH * SIM_WORDS];  // [pairs]: a bit per work-item that meets it
+  uint row_count[SIM_BATCH];        // of each pair
   uint row_first[SIM_BATCH + 1];
   real rows[SIM_BATCH_ROWS * SIM_ROW];
   int alive;
@@ -42,7 +42,7 @@ struct Blending {
   F transmittance[NR];
   F behind[NR];  // g . (what is still to come): features, distance and the last transmittance
 #endif
-  uint meets[NR];  // instances of the batch, a bit each
+  uint meets[NR];  // pairs of the batch, a bit each
 };
 
 /// of[j], chosen among registers: read before it is asked for, as compilers make of[k], where k is j, a variable index.
@@ -63,7 +63,7 @@ FN void put_back(F* of, int j, F value) {
   }
 }
 
-/// met[SIM_WORDS]: a bit per work-item. Rows before this work-item's of the instance's.
+/// met[SIM_WORDS]: a bit per work-item. Rows before this work-item's of the pair's.
 FN uint rows_before(const __local uint* met, uint lid) {
   uint rows = 0;
   for (uint w = 0; w < lid / 32; ++w) rows += popcount(met[w]);
@@ -97,7 +97,7 @@ FN void stage_batch(const Tile* tile, const SlotMap* map, uint first, uint count
   if (tile->lid == 0) batch->alive = 0;
 }
 
-/// Which vectors meet which instances of the batch, whose first has the place `first`; rays that end in this batch
+/// Which vectors meet which pairs of the batch, whose first has the place `first`; rays that end in this batch
 /// still count. A vector at a time.
 FN void find_met(const Tile* tile,
                  const RayArrays* arrays,
@@ -121,7 +121,7 @@ FN void find_met(const Tile* tile,
     SIM_ONE_BY_ONE
     for (uint k = 0; k < last; ++k) {
       if (!touches(batch->rows_touched[k], j, tile->lid)) continue;
-      Instance at;
+      TilePair at;
       staged_record(batch->quarters, k, at.record);
       complete(tile, first + k, batch->payload[k], 0, &at);
       RayLanes own;
@@ -149,7 +149,7 @@ FN void count_rows(uint lid, uint count, __local Batch* batch) {
   }
 }
 
-/// What vector j adds to a row, or with `again` adds to it, of instance k.
+/// What vector j adds to a row, or with `again` adds to it, of pair k.
 FN void add_row(const Tile* tile,
                 const RayArrays* arrays,
                 uint place,
@@ -160,7 +160,7 @@ FN void add_row(const Tile* tile,
                 const __local Batch* batch,
                 __local real* row) {
   const uint slots = arrays->slots, slot = tile->base + SIM_VECTOR_SLOT(j, tile->lid);
-  Instance at;
+  TilePair at;
   staged_record(batch->quarters, k, at.record);
   RayLanes ray, own;
   load_ray(arrays->world_ray, arrays->ray_u, slots, slot, &ray);
@@ -200,8 +200,8 @@ FN void add_row(const Tile* tile,
 #endif
 }
 
-/// Fills the rows [done, done + SIM_BATCH_ROWS) of this work-item. begun: the instance whose row it has begun.
-FN void fill_rows(const Tile* tile,
+/// Fills the rows [done, done + SIM_BATCH_ROWS) of this work-item. begun: the pair whose row it has begun.
+FN void inpaint_rows(const Tile* tile,
                   const RayArrays* arrays,
                   uint first,
                   uint done,
@@ -210,7 +210,7 @@ FN void fill_rows(const Tile* tile,
                   __local Batch* batch) {
   SIM_ONE_BY_ONE
   for (;;) {
-    // What this work-item has next, by instance, then by vector. Others are elsewhere: one text for all.
+    // What this work-item has next, by pair, then by vector. Others are elsewhere: one text for all.
     uint left_to_do = 0;
     SIM_EACH_VECTOR
     for (int j = 0; j < NR; ++j) left_to_do |= b->meets[j];
@@ -229,14 +229,14 @@ FN void fill_rows(const Tile* tile,
   }
 }
 
-/// Adds rows [done, done + SIM_BATCH_ROWS) to the slots of their instances. A work-item has the same columns of the
-/// same instances each time: what it has stored it may add to.
+/// Adds rows [done, done + SIM_BATCH_ROWS) to the slots of their pairs. A work-item has the same columns of the
+/// same pairs each time: what it has stored it may add to.
 FN void add_rows_up(uint lid,
                     uint count,
                     uint done,
                     const __local Batch* batch,
                     __global real* grads,
-                    __global real* instance_error) {
+                    __global real* pair_error) {
   SIM_ONE_BY_ONE
   for (uint place = lid; place < count * (SIM_GRAD + ERRORS); place += LS) {
     const uint k = place / (SIM_GRAD + ERRORS), column = place % (SIM_GRAD + ERRORS);
@@ -244,7 +244,7 @@ FN void add_rows_up(uint lid,
     const uint from = max(row, done), to = min(row_end, done + SIM_BATCH_ROWS);
     if (from >= to && (row < row_end || done > 0)) continue;  // of no row: a sum of nothing, once
     __global real* target =
-        column < SIM_GRAD ? grads + SIM_GRAD * batch->slot[k] + column : instance_error + batch->slot[k];
+        column < SIM_GRAD ? grads + SIM_GRAD * batch->slot[k] + column : pair_error + batch->slot[k];
     const real total = column_sum(batch->rows, column, from - done, to - done);
     *target = from > row ? *target + total : total;
   }
@@ -265,7 +265,7 @@ __kernel SIM_GROUP void render_bwd(const FrameParams frame,
                                    __global const real* grad_out,
                                    __global real* grads,
                                    __global const real* ray_error,
-                                   __global real* instance_error,
+                                   __global real* pair_error,
                                    const uint tile_first,
                                    __global const real* replayed,
                                    __global const uint* replayed_to) {
@@ -306,10 +306,10 @@ __kernel SIM_GROUP void render_bwd(const FrameParams frame,
       // same place, and NVIDIA's then lets a part of a warp through the barrier below while the rest still fills rows.
       barrier(CLK_LOCAL_MEM_FENCE);
       all_rows = batch.row_first[count];
-      fill_rows(&tile, &arrays, place, done, &begun, &b, &batch);
+      inpaint_rows(&tile, &arrays, place, done, &begun, &b, &batch);
       barrier(CLK_LOCAL_MEM_FENCE);
-      add_rows_up(tile.lid, count, done, &batch, grads, instance_error);
+      add_rows_up(tile.lid, count, done, &batch, grads, pair_error);
     }
   }
-  clear_slots(&map, payload, tile.begin + place, tile.end, grads, instance_error);
+  clear_slots(&map, payload, tile.begin + place, tile.end, grads, pair_error);
 }

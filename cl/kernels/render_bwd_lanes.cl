@@ -18,13 +18,13 @@ struct Blending {
 #endif
 };
 
-/// What the rays of a tile add to an instance.
+/// What the rays of a tile add to an pair.
 typedef struct {
   F grad[SIM_GRAD];
   F error;
 } Sums;
 
-/// Brings what the next instances touch, and where their sums go, near: particles of a tile lie all over memory,
+/// Brings what the next pairs touch, and where their sums go, near: particles of a tile lie all over memory,
 /// and waiting for them would be a third of the time.
 FN void fetch_ahead(const Tile* tile, uint i, const SlotMap* map, __global const real* grads) {
   if (i + 8 < tile->end) {
@@ -39,7 +39,7 @@ FN void fetch_ahead(const Tile* tile, uint i, const SlotMap* map, __global const
   }
 }
 
-FN void add_instance(const Tile* tile, const Instance* at, uint* alive, struct Blending* b, Sums* sums) {
+FN void add_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blending* b, Sums* sums) {
   uint vectors = vectors_of(at->packed, tile->lid) & *alive;
   SIM_EACH_VECTOR_OF(j, vectors) {
     RayLanes own;
@@ -72,21 +72,21 @@ FN void add_instance(const Tile* tile, const Instance* at, uint* alive, struct B
     add_gradients(
         at->record, seen, &response, weight, d_log, b->g0[j], b->g1[j], b->g2[j], b->gd[j], sums->grad);
 #if !RAY_ORDER
-    retire(AND(b->transmittance[j] < tile->t_cut, response.inside), j, &b->ray[j], alive);
+    terminate_ray(AND(b->transmittance[j] < tile->t_cut, response.inside), j, &b->ray[j], alive);
 #endif
   }
 }
 
 /// Replays render front to back with the stored result: what lies behind a particle is the result minus
-/// what has been summed so far. No atomics: an instance's sums go to its own slot.
+/// what has been summed so far. No atomics: an pair's sums go to its own slot.
 /// Build: ERRORS = 1 to blend the rays' errors as well; RAY_ORDER = 1 where rays have orders of their own, which
 /// replay_window has gone through: here it is still particle by particle. Tiles from tile_first on.
 /// in  as render; out[6][slots] of render; grad_out[5][slots]: dL/d(features, T, distance); with RAY_ORDER
 ///     replayed[places][2][SIM_WALK_RAYS] and replayed_to[tiles][LS][NR] of replay_window
 ///     footprints[N]; slot_first[N], the prefix sum of slot_counts
 /// out grads[K][16]: dL/dA (9, times r), dL/do' (3, times r), dL/d ln sigma, dL/d features (3).
-///     Every slot of every instance is written.
-///     ERRORS: instance_error[K]: sum over its rays of weight x ray_error[slots]
+///     Every slot of every pair is written.
+///     ERRORS: pair_error[K]: sum over its rays of weight x ray_error[slots]
 __kernel SIM_GROUP void render_bwd(const FrameParams frame,
                                    __global const SensorConstants* sensor,
                                    __global const real* world_ray,
@@ -101,7 +101,7 @@ __kernel SIM_GROUP void render_bwd(const FrameParams frame,
                                    __global const real* grad_out,
                                    __global real* grads,
                                    __global const real* ray_error,
-                                   __global real* instance_error,
+                                   __global real* pair_error,
                                    const uint tile_first,
                                    __global const real* replayed,
                                    __global const uint* replayed_to) {
@@ -142,12 +142,12 @@ __kernel SIM_GROUP void render_bwd(const FrameParams frame,
   uint i = tile.begin;
   for (; i < end && alive; ++i) {
     fetch_ahead(&tile, i, &map, grads);
-    Instance at;
-    load_instance(&tile, i - tile.begin, &at);
+    TilePair at;
+    load_pair(&tile, i - tile.begin, &at);
     Sums sums;
     SIM_EACH(k, SIM_GRAD) sums.grad[k] = (F)R(0.0);
     sums.error = (F)R(0.0);
-    add_instance(&tile, &at, &alive, &b, &sums);
+    add_pair(&tile, &at, &alive, &b, &sums);
     const ulong slot = gradient_slot(&map, at.particle);
     __global real* target = grads + SIM_GRAD * slot;
 #if V == 16
@@ -155,7 +155,7 @@ __kernel SIM_GROUP void render_bwd(const FrameParams frame,
 #else
     SIM_EACH(k, SIM_GRAD) target[k] = HSUM(sums.grad[k]);
 #endif
-    if (ERRORS) instance_error[slot] = HSUM(sums.error);
+    if (ERRORS) pair_error[slot] = HSUM(sums.error);
   }
-  clear_slots(&map, payload, i, tile.end, grads, instance_error);
+  clear_slots(&map, payload, i, tile.end, grads, pair_error);
 }

@@ -12,7 +12,7 @@ struct Blending {
   uint inverted;  // vectors, a bit each
 };
 
-FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct Blending* b) {
+FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blending* b) {
   uint vectors = vectors_of(at->packed, tile->lid) & *alive;
   SIM_EACH_VECTOR_OF(j, vectors) {
     RayLanes own;
@@ -35,7 +35,7 @@ FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct
     }
 #endif
     if (!ANY(inside)) continue;
-    put_instance(&b->window[j], tile, at, &response, inside, &b->features, b->ray[j].d);
+    put_pair(&b->window[j], tile, at, &response, inside, &b->features, b->ray[j].d);
   }
 }
 

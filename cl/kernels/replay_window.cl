@@ -13,7 +13,7 @@ struct Blending {
   uint to[NR];  // places of the list that vectors look at
 };
 
-FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct Blending* b) {
+FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blending* b) {
   uint vectors = vectors_of(at->packed, tile->lid) & *alive;
   SIM_EACH_VECTOR_OF(j, vectors) {
     RayLanes own;
@@ -30,7 +30,7 @@ FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct
       continue;
     }
     if (!ANY(inside)) continue;
-    put_instance(&b->window[j], tile, at, &response, inside, &b->features, b->ray[j].d);
+    put_pair(&b->window[j], tile, at, &response, inside, &b->features, b->ray[j].d);
   }
 }
 

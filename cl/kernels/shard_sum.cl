@@ -9,7 +9,7 @@
 /// in  from_keys[particles], from[rows][stride]
 /// io  keys[particles]: of the sum; with `mark` 0 where `from` has a say, too
 ///     sum[first + rows][stride], from row `first` on
-__kernel void add_shown(const uint particles,
+__kernel void add_rendered(const uint particles,
                         const uint stride,
                         const uint rows,
                         const uint first,
@@ -60,7 +60,7 @@ __kernel void pack_columns(const uint count,
   }
 }
 
-/// The same the other way round, as add_shown() with a share of 1 and all rows.
+/// The same the other way round, as add_rendered() with a share of 1 and all rows.
 /// in  packed[rows][count]
 /// io  keys[particles], sum[rows][stride]
 __kernel void add_packed(const uint count,

@@ -2,7 +2,7 @@
 #include "math/lanes.h"
 #include "shared/layout.h"
 
-/// out slot_first[n]: how many slots a particle has, one per tile instance; its prefix sum tells where they begin.
+/// out slot_first[n]: how many slots a particle has, one per tile pair; its prefix sum tells where they begin.
 ///     By index, not in the order of the frame: neighbours in memory have neighbouring slots, so that what a tile
 ///     writes lies together and project_bwd reads one slot after the other.
 __kernel void slot_counts(const uint n,

@@ -7,11 +7,11 @@
 #include "math/unscented.h"
 
 /// The ellipsoid p + sum_k z_k a_k, |z| <= 1, in the sensor frame, its matrix B = sum_k a_k a_k^T taken to
-/// stretch * B + more * I, which contains it moved by anything up to `shift`.
+/// chunk * B + more * I, which contains it moved by anything up to `shift`.
 typedef struct {
   F p[3];     // m; of a LiDAR from its reference height
   F a[3][3];  // a[coordinate][k], m
-  F stretch, more;
+  F chunk, more;
   F ball;  // m, radius of a ball that contains it
 } Ellipsoid;
 
@@ -72,7 +72,7 @@ FN void seen_ellipsoid(__global const SensorConstants* sensor,
   const F shift = shift_within(sensor, g, radius, distance, first, last);
   e->p[2] -= sensor->model.height;
   const F mean = VMAX(sqrt(trace * R(0.33333333333333333)), (F)R(1e-6));  // of the radii; c may be any
-  e->stretch = R(1.0) + shift / mean;
+  e->chunk = R(1.0) + shift / mean;
   e->more = shift * (shift + mean);
   e->ball = radius + shift;
 }
@@ -106,7 +106,7 @@ FN I shadow_slopes(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* 
     across = fma(w, w, across);
   }
   return tangent_slopes(
-      far2, fma(e->stretch, along, e->more), e->stretch * mixed, fma(e->stretch, across, e->more), low, high);
+      far2, fma(e->chunk, along, e->more), e->chunk * mixed, fma(e->chunk, across, e->more), low, high);
 }
 
 /// The slope of tangents to a ball off the line to its centre, NO_BOUND where they run off.

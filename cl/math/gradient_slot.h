@@ -1,10 +1,10 @@
-// gradient_slot.h - where the gradients of instances are: a particle's slots lie together, tile row by tile row.
+// gradient_slot.h - where the gradients of pairs are: a particle's slots lie together, tile row by tile row.
 #ifndef SIMULI_CL_MATH_GRADIENT_SLOT_H
 #define SIMULI_CL_MATH_GRADIENT_SLOT_H
 #include "math/lanes.h"
 #include "shared/layout.h"
 
-/// A tile of the frame, and its instances' slots: slot_first[N] is the prefix sum of slot_counts.
+/// A tile of the frame, and its pairs' slots: slot_first[N] is the prefix sum of slot_counts.
 typedef struct {
   uint tx, ty;
   __global const Footprint* footprints;
@@ -27,11 +27,11 @@ FN void clear_slots(const SlotMap* map,
                     uint begin,
                     uint end,
                     __global real* grads,
-                    __global real* instance_error) {
+                    __global real* pair_error) {
   for (uint i = begin + get_local_id(0); i < end; i += LS) {
     const ulong slot = gradient_slot(map, payload[i] & SIM_PARTICLE_MASK);
     SIM_EACH(k, SIM_GRAD) grads[SIM_GRAD * slot + k] = R(0.0);
-    if (ERRORS) instance_error[slot] = R(0.0);
+    if (ERRORS) pair_error[slot] = R(0.0);
   }
 }
 

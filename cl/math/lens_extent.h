@@ -40,9 +40,9 @@ FN I cap_angle(const Ellipsoid* e, F distance, const F* l, const F* a1, const F*
   const F widest = R(0.5) * (w11 + w22) + sqrt(fma(apart, apart, w12 * w12));
   F low, high;
   const I outside = tangent_slopes(distance * distance,
-                                   fma(e->stretch, along, e->more),
-                                   e->stretch * sqrt(fma(m1, m1, m2 * m2)),
-                                   fma(e->stretch, widest, e->more),
+                                   fma(e->chunk, along, e->more),
+                                   e->chunk * sqrt(fma(m1, m1, m2 * m2)),
+                                   fma(e->chunk, widest, e->more),
                                    &low,
                                    &high);
   *angle = atan2_lanes(VMAX(-low, high), (F)R(1.0));

@@ -49,8 +49,8 @@ FN void copy_met(const Met* from, Met* to) {
 #endif
 }
 
-/// What rays along d see of the instance, and its place.
-FN void describe_met(const Instance* at, const Features* features, const F* d, Met* met) {
+/// What rays along d see of the pair, and its place.
+FN void describe_met(const TilePair* at, const Features* features, const F* d, Met* met) {
 #if SIM_REPLAY
   met->place = (F)(real)at->place;
 #endif

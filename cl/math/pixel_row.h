@@ -5,7 +5,7 @@
 #include "shared/layout.h"
 
 #if V > SIM_BLOCK_SIDE
-#define SIM_OF_BLOCK(at, k) vload4(0, (at) + (k)*SIM_SLOT_ROW)
+#define SIM_OF_BLOCK(at, k) vload4(0, (at) + (k)*SIM_RAY_BLOCK)
 #endif
 
 /// at: the first pixel's slot; its column is a multiple of V.
@@ -22,12 +22,12 @@ FN F load_pixel_row(__global const real* at) {
 FN void store_pixel_row(__global real* at, F values) {
 #if V == 16
   vstore4(values.s0123, 0, at);
-  vstore4(values.s4567, 0, at + SIM_SLOT_ROW);
-  vstore4(values.s89ab, 0, at + 2 * SIM_SLOT_ROW);
-  vstore4(values.scdef, 0, at + 3 * SIM_SLOT_ROW);
+  vstore4(values.s4567, 0, at + SIM_RAY_BLOCK);
+  vstore4(values.s89ab, 0, at + 2 * SIM_RAY_BLOCK);
+  vstore4(values.scdef, 0, at + 3 * SIM_RAY_BLOCK);
 #elif V == 8
   vstore4(values.lo, 0, at);
-  vstore4(values.hi, 0, at + SIM_SLOT_ROW);
+  vstore4(values.hi, 0, at + SIM_RAY_BLOCK);
 #else
   STV(at, values);
 #endif

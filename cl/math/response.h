@@ -29,7 +29,7 @@ typedef struct {
   F inv_n;   // 1 / |a|^2
   F tau;     // m, place of the maximum response along the ray
   F q;       // squared distance there
-  I inside;  // contributes, but for retirement
+  I inside;  // contributes, but for termination
 } Response;
 
 /// record: the particle's 16 reals; box_mean: the one of its two that is nearer to the tile.

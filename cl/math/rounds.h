@@ -65,8 +65,8 @@ FN void gather(const Tile* tile,
   for (uint i = begin; i < count; ++i) {
     const uint packed = tile->payload[tile->begin + i];
     if (!touches(rows_of(packed), j, tile->lid)) continue;
-    Instance at;
-    load_instance(tile, i, &at);
+    TilePair at;
+    load_pair(tile, i, &at);
     RayLanes own;
     Response response;
     meet(tile, &at, seen_by(&at, ray, &own), &response);

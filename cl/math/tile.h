@@ -12,9 +12,9 @@
 
 // Slots of vector j of this work-item, from the tile's first slot, and its slot row.
 #define SIM_VECTOR_SLOT(j, lid) (((j)*LS + (lid)) * V)
-#define SIM_VECTOR_ROW(j, lid) (SIM_VECTOR_SLOT(j, lid) / SIM_SLOT_ROW)
+#define SIM_VECTOR_ROW(j, lid) (SIM_VECTOR_SLOT(j, lid) / SIM_RAY_BLOCK)
 
-/// The slot rows that an instance touches, a bit each.
+/// The slot rows that an pair touches, a bit each.
 FN uint rows_of(uint payload) {
   const uint first = payload >> SIM_PARTICLE_BITS & 15u, last = payload >> (SIM_PARTICLE_BITS + 4);
 #if SENSOR == SENSOR_CAMERA
@@ -32,9 +32,9 @@ FN uint touches(uint rows, int j, uint lid) { return rows >> SIM_VECTOR_ROW(j, l
 /// The vectors of a work-item that it touches, a bit each.
 FN uint vectors_of(uint payload, uint lid) {
   uint rows = rows_of(payload);
-#if LS == 1 && V == SIM_SLOT_ROW
+#if LS == 1 && V == SIM_RAY_BLOCK
   return rows;
-#elif LS == 1 && 2 * V == SIM_SLOT_ROW
+#elif LS == 1 && 2 * V == SIM_RAY_BLOCK
   rows = (rows | rows << 8) & 0x00ff00ffu;
   rows = (rows | rows << 4) & 0x0f0f0f0fu;
   rows = (rows | rows << 2) & 0x33333333u;
@@ -140,7 +140,7 @@ typedef struct {
   int moves;  // during the frame
   real motion[SIM_MOTION];
 #endif
-} Instance;
+} TilePair;
 
 #if ACTOR_MOTION
 /// Whether the record's particle moves during the frame. The record's box is one to compare with afterwards.
@@ -152,7 +152,7 @@ FN int take_box(real* record) {
 #endif
 
 /// What follows from the payload and the record that `at` has. `always`: also the motion of what does not move.
-FN void complete(const Tile* tile, uint place, uint packed, int always, Instance* at) {
+FN void complete(const Tile* tile, uint place, uint packed, int always, TilePair* at) {
   at->place = place;
   at->packed = packed;
   at->particle = packed & SIM_PARTICLE_MASK;
@@ -166,7 +166,7 @@ FN void complete(const Tile* tile, uint place, uint packed, int always, Instance
 }
 
 /// The one of a place of the list, from global memory.
-FN void load_instance(const Tile* tile, uint place, Instance* at) {
+FN void load_pair(const Tile* tile, uint place, TilePair* at) {
   const uint packed = tile->payload[tile->begin + place];
   load_record(tile->records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD, at->record);
   complete(tile, place, packed, 0, at);
@@ -174,7 +174,7 @@ FN void load_instance(const Tile* tile, uint place, Instance* at) {
 
 /// The rays as the particle sees them: themselves, or in `own`. Copies make a CPU's backward pass 1.4 times as slow;
 /// on GPUs a value is in registers.
-FN const RayLanes* seen_by(const Instance* at, const RayLanes* ray, RayLanes* own) {
+FN const RayLanes* seen_by(const TilePair* at, const RayLanes* ray, RayLanes* own) {
 #if ACTOR_MOTION
   if (at->moves) {
     follow(ray, at->motion, own);
@@ -189,7 +189,7 @@ FN const RayLanes* seen_by(const Instance* at, const RayLanes* ray, RayLanes* ow
 #endif
 }
 
-FN void meet(const Tile* tile, const Instance* at, const RayLanes* seen, Response* response) {
+FN void meet(const Tile* tile, const TilePair* at, const RayLanes* seen, Response* response) {
   respond(at->record, at->box_mean, seen, tile->t_min, tile->t_max, response);
 }
 
@@ -204,7 +204,7 @@ FN uint alive_bit(const RayLanes* ray, int j) {
 }
 
 /// Ends rays of vector j; without any left it is not `alive`.
-FN void retire(I done, int j, RayLanes* ray, uint* alive) {
+FN void terminate_ray(I done, int j, RayLanes* ray, uint* alive) {
   if (!ANY(done)) return;
   end_rays(done, ray);
   if (!alive_bit(ray, 0)) *alive &= ~(1u << j);

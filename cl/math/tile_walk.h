@@ -1,12 +1,12 @@
 // tile_walk.h - the walk over a tile's list of particles, nearest first, that kernels which blend share. They define
-// `struct Blending`, what a work-item knows of its rays, and blend_instance().
+// `struct Blending`, what a work-item knows of its rays, and blend_pair().
 #ifndef SIMULI_CL_MATH_TILE_WALK_H
 #define SIMULI_CL_MATH_TILE_WALK_H
 #include "math/tile.h"
 
 struct Blending;
-/// What a kernel does with an instance, for each of vectors_of() its payload that is alive.
-FN void blend_instance(const Tile* tile, const Instance* at, uint* alive, struct Blending* blending);
+/// What a kernel does with an pair, for each of vectors_of() its payload that is alive.
+FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blending* blending);
 
 #if LS > 1
 // Records of a batch: of 256 they would leave AMD's compute units room for a third of their waves.
@@ -36,10 +36,10 @@ FN void walk(const Tile* tile, __local Staged* staged, uint* alive, struct Blend
     if (!staged->alive) break;
     const uint count = min((uint)SIM_STAGED, tile->end - batch);
     for (uint i = 0; i < count; ++i) {
-      Instance at;
+      TilePair at;
       staged_record(staged->quarters, i, at.record);
       complete(tile, batch + i - tile->begin, staged->payload[i], 0, &at);
-      blend_instance(tile, &at, alive, blending);
+      blend_pair(tile, &at, alive, blending);
     }
   }
 }
@@ -57,9 +57,9 @@ FN void walk(const Tile* tile, uint* alive, struct Blending* blending) {
     if (!(*alive & vectors_of(list[place], tile->lid))) continue;
     if (place + SIM_AHEAD < count)
       SIM_PREFETCH(tile->records + (ulong)(list[place + SIM_AHEAD] & SIM_PARTICLE_MASK) * SIM_RECORD);
-    Instance at;
-    load_instance(tile, place, &at);
-    blend_instance(tile, &at, alive, blending);
+    TilePair at;
+    load_pair(tile, place, &at);
+    blend_pair(tile, &at, alive, blending);
   }
 }
 #define SIM_WALK(tile, alive, blending) walk(tile, alive, blending)

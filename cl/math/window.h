@@ -26,10 +26,10 @@ FN void put(Window* w, Met* met) {
   copy_met(met, &w->entry[k % WINDOW]);
 }
 
-/// Puts in what the rays `inside` along d meet of the instance.
-FN void put_instance(Window* w,
+/// Puts in what the rays `inside` along d meet of the pair.
+FN void put_pair(Window* w,
                      const Tile* tile,
-                     const Instance* at,
+                     const TilePair* at,
                      const Response* response,
                      I inside,
                      const Features* features,

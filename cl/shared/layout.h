@@ -19,18 +19,18 @@ typedef int sim_i32;
 // particle's footprint selects: for a LiDAR up to 16 neighbouring firings of one beam, for a camera a block of 4 x 4
 // pixels, row by row, as what particles show is about as wide as high (docs/METHOD.md section 5).
 #define SIM_TILE_RAYS 256
-#define SIM_SLOT_ROW 16
+#define SIM_RAY_BLOCK 16
 // Of a camera, px: the sides of a tile and of a block. Blocks of a tile lie row by row, too.
 #define SIM_TILE_SIDE 16
 #define SIM_BLOCK_SIDE 4
 #define SIM_TILE_BLOCKS (SIM_TILE_SIDE / SIM_BLOCK_SIDE)
 // Where pixel (x, y) lies among the slots of `tiles_x` tiles a row: the sum of what its row and its column add.
 #define SIM_SLOT_OF_COLUMN(x)                                                                  \
-  ((x) / SIM_TILE_SIDE * SIM_TILE_RAYS + (x) % SIM_TILE_SIDE / SIM_BLOCK_SIDE * SIM_SLOT_ROW + \
+  ((x) / SIM_TILE_SIDE * SIM_TILE_RAYS + (x) % SIM_TILE_SIDE / SIM_BLOCK_SIDE * SIM_RAY_BLOCK + \
    (x) % SIM_BLOCK_SIDE)
 #define SIM_SLOT_OF_ROW(y, tiles_x)                                        \
   ((y) / SIM_TILE_SIDE * (tiles_x)*SIM_TILE_RAYS +                         \
-   (y) % SIM_TILE_SIDE / SIM_BLOCK_SIDE * SIM_TILE_BLOCKS * SIM_SLOT_ROW + \
+   (y) % SIM_TILE_SIDE / SIM_BLOCK_SIDE * SIM_TILE_BLOCKS * SIM_RAY_BLOCK + \
    (y) % SIM_BLOCK_SIDE * SIM_BLOCK_SIDE)
 
 // Rows of the parameter matrix (host/core/scene/gaussians.hpp), each of `stride` reals.
@@ -53,7 +53,7 @@ typedef int sim_i32;
 #define SIM_R_BOX_OTHER 14
 #define SIM_R_BOX_HALF 15
 
-// One gradient slot per instance, 16 reals, in the order in which render_bwd sums them.
+// One gradient slot per pair, 16 reals, in the order in which render_bwd sums them.
 #define SIM_GRAD 16
 #define SIM_G_MATRIX 0
 #define SIM_G_ORIGIN 9
@@ -68,7 +68,7 @@ typedef int sim_i32;
 #define SIM_O_DROP 6  // LiDARs: ln(p / (1 - p)), p the probability that the ray doesn't return
 #define SIM_OUTPUTS 7
 
-// Payload of an instance: particle in the low 24 bits, first and last slot row in the high 8; of blocks two opposite
+// Payload of an pair: particle in the low 24 bits, first and last slot row in the high 8; of blocks two opposite
 // corners.
 #define SIM_PARTICLE_BITS 24
 #define SIM_PARTICLE_MASK 0xffffffu

@@ -278,9 +278,9 @@ const Json& JsonObject::get(const std::string& key) {
   const auto it = value_.find(key);
   if (it != value_.end()) return *it;
   // The keys that are there show a misspelt name or a wrong unit at once.
-  constexpr std::size_t kMostShown = 32;
+  constexpr std::size_t kMaxShown = 32;
   std::vector<std::string> present;
-  for (auto at = value_.begin(); at != value_.end() && present.size() < kMostShown; ++at) {
+  for (auto at = value_.begin(); at != value_.end() && present.size() < kMaxShown; ++at) {
     present.push_back(quoted(at.key()));
   }
   if (present.size() < value_.size()) present.push_back("...");

@@ -203,7 +203,7 @@ void cut(RoadLine& line) {
     line.pieces.pop_back();
   }
   line.pieces.back().length_m -= rest;
-  for (RoadPlace& place : line.places) place.s_m = std::min(place.s_m, length_of(line.pieces));
+  for (RoadPosition& place : line.places) place.s_m = std::min(place.s_m, length_of(line.pieces));
 }
 
 /// 10 m about where the rig stood.

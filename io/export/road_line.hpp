@@ -19,14 +19,14 @@ struct RoadPiece {
 };
 
 /// A place of the drive, and how far along the line the point is that is nearest to it.
-struct RoadPlace {
+struct RoadPosition {
   double s_m = 0.0;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m
 };
 
 struct RoadLine {
   std::vector<RoadPiece> pieces;  // each begins where the one before ends; at least one
-  std::vector<RoadPlace> places;  // s_m does not fall; at least one
+  std::vector<RoadPosition> places;  // s_m does not fall; at least one
   [[nodiscard]] double length_m() const;
 
   static constexpr double kTolerance_m = 0.02;     // from its places

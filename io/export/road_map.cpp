@@ -17,9 +17,9 @@ constexpr double kSmooth_m = 2.5;  // to both sides: what is shorter is no road'
 constexpr double kKnot_m = 5.0;    // at most, from a height to the next
 
 /// How high the line's places are, between them by the straight way.
-double rig_height(const std::vector<RoadPlace>& places, double s_m) {
+double rig_height(const std::vector<RoadPosition>& places, double s_m) {
   const auto after = std::upper_bound(
-      places.begin(), places.end(), s_m, [](double s, const RoadPlace& place) { return s < place.s_m; });
+      places.begin(), places.end(), s_m, [](double s, const RoadPosition& place) { return s < place.s_m; });
   if (after == places.begin()) return places.front().place.z();
   if (after == places.end()) return places.back().place.z();
   const auto before = after - 1;

@@ -52,7 +52,7 @@ constexpr void visit_fields(FrameSelection& o, F&& field) {
         o.seed,
         at_least(0),
         "Seed of the frames' order and of thinning. Another seed shows how much results scatter.");
-  field.keyless(o.counts_by_sensor);
+  field.internal(o.counts_by_sensor);
 }
 
 /// "every 5. frame, the last 20 % of the path": what is held out; empty: nothing.
@@ -65,7 +65,7 @@ constexpr void visit_fields(FrameSelection& o, F&& field) {
 enum class FrameUse {
   kTraining,
   kBetween,  // held out, training frames before and behind: what a scene makes of what it saw
-  kMiddle,   // held out in a stretch of the path that training saw from either end alone
+  kMiddle,   // held out in a chunk of the path that training saw from either end alone
   kBeyond,   // held out at the end of the path, where training read nothing: what it makes of the rest
   kSensor,   // of a camera or LiDAR that is held out whole
 };

@@ -131,7 +131,7 @@ Sweep read_recorded_sweep(const fs::path& file, const SweepShape& shape) {
 Sweep as_measured(Sweep sweep, const fs::path& file, const LidarModel& lidar) {
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     if (sweep.range[i] == 0.0F) continue;
-    if (meets_own_vehicle(lidar, sweep.rays, i)) {
+    if (hits_ego_vehicle(lidar, sweep.rays, i)) {
       sweep.range[i] = sweep.intensity[i] = 0.0F;
       continue;
     }

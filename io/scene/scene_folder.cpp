@@ -34,7 +34,7 @@ constexpr const char* kSceneFormat = "simuli scene";
 constexpr int kSceneVersion = 1;
 constexpr int kSceneVersionOfShapes = 2;     // has actors that are not rigid
 constexpr int kSceneVersionOfOccluders = 3;  // has particles behind and instead of actors
-constexpr int kSceneVersionOfVistas = 4;     // has what cameras see from stretches of the path alone
+constexpr int kSceneVersionOfVisibilitySets = 4;     // has what cameras see from chunks of the path alone
 constexpr int kSceneVersionOfHidden = 5;     // whose actors hide something of it
 constexpr int kSceneVersionOfWidth = 6;      // whose pixels are not as wide as 3DGS takes them
 constexpr const char* kFilterKey = "camera_filter_px2";
@@ -86,20 +86,20 @@ RayDrop read_ray_drop(JsonObject& object) {
   return drop;
 }
 
-Json to_json(const std::vector<Vista>& all) {
+Json to_json(const std::vector<VisibilitySet>& all) {
   Json out = Json::array();
-  for (const Vista& vista : all) {
+  for (const VisibilitySet& visibility_set : all) {
     Json path = Json::array();
-    for (const Eigen::Vector3d& place : vista.path_m) {
+    for (const Eigen::Vector3d& place : visibility_set.path_m) {
       for (const double x : place) path.push_back(x);
     }
     out.push_back({{"path_m", std::move(path)}});
-    if (!vista.occluders.empty()) out.back()["occluders"] = to_json(vista.occluders, 0);
+    if (!visibility_set.occluders.empty()) out.back()["occluders"] = to_json(visibility_set.occluders, 0);
   }
   return out;
 }
 
-Vista read_vista(JsonObject& object) {
+VisibilitySet read_visibility_set(JsonObject& object) {
   const std::vector<double> numbers = object.numbers("path_m");
   if (numbers.empty() || numbers.size() % 3 != 0) {
     throw_input_error(object.file(),
@@ -107,12 +107,12 @@ Vista read_vista(JsonObject& object) {
                       fmt::format("{} numbers", numbers.size()),
                       "x, y, z of one place or more, one after the other");
   }
-  Vista vista;
+  VisibilitySet visibility_set;
   for (std::size_t i = 0; i < numbers.size(); i += 3) {
-    vista.path_m.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+    visibility_set.path_m.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
   }
-  if (object.has("occluders")) vista.occluders = actors_from_json(object, "occluders", 0);
-  return vista;
+  if (object.has("occluders")) visibility_set.occluders = actors_from_json(object, "occluders", 0);
+  return visibility_set;
 }
 
 Json to_json(const FrameSpans& recorded) {
@@ -167,9 +167,9 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     scene.scene.name = root.text("name");
     if (!scene.scene.name.empty()) need_name(scene.scene.name, file, "name");
     scene.scene.origin = root.vector<3>("origin_m");
-    if (const double far_m = scene.scene.origin.cwiseAbs().maxCoeff(); far_m > kFarthestPlace_m) {
+    if (const double far_m = scene.scene.origin.cwiseAbs().maxCoeff(); far_m > kFarthestPosition_m) {
       throw_input_error(
-          file, "origin_m", fmt::format("{} m", far_m), fmt::format("up to {} m", kFarthestPlace_m));
+          file, "origin_m", fmt::format("{} m", far_m), fmt::format("up to {} m", kFarthestPosition_m));
     }
     contents.camera_set = root.object("camera_set", read_set);
     contents.lidar_set = root.object("lidar_set", read_set);
@@ -181,7 +181,7 @@ Contents parse_scene(const std::string& text, const std::string& file) {
     read_sensors(root, scene.cameras, scene.lidars);
     if (root.has("ray_drop")) scene.scene.ray_drop = root.objects("ray_drop", read_ray_drop);
     if (root.has("actors")) scene.scene.actors = actors_from_json(root, "actors", 0);
-    if (root.has("vistas")) scene.scene.vistas = root.objects("vistas", read_vista);
+    if (root.has("vistas")) scene.scene.visibility_sets = root.objects("vistas", read_visibility_set);
     if (root.has("occluders")) scene.scene.occluders = actors_from_json(root, "occluders", 0);
     if (root.has("world_from_rig")) scene.world_from_rig = trajectory_from_json(root, "world_from_rig", 0);
     if (root.has("recorded_frames")) scene.recorded_frames = read_recorded_frames(root, scene);
@@ -194,9 +194,9 @@ Contents parse_scene(const std::string& text, const std::string& file) {
 /// The oldest program that can read it knows this one.
 int version_of(const Scene& scene) {
   if (scene.camera_filter_px2 != kSplatVariance_px2) return kSceneVersionOfWidth;
-  const auto hides = [](const Vista& vista) { return !vista.occluders.empty(); };
-  if (std::any_of(scene.vistas.begin(), scene.vistas.end(), hides)) return kSceneVersionOfHidden;
-  if (!scene.vistas.empty()) return kSceneVersionOfVistas;
+  const auto hides = [](const VisibilitySet& visibility_set) { return !visibility_set.occluders.empty(); };
+  if (std::any_of(scene.visibility_sets.begin(), scene.visibility_sets.end(), hides)) return kSceneVersionOfHidden;
+  if (!scene.visibility_sets.empty()) return kSceneVersionOfVisibilitySets;
   if (!scene.occluders.empty()) return kSceneVersionOfOccluders;
   const bool shapes = std::any_of(scene.actors.begin(), scene.actors.end(), [](const Actor& actor) {
     return !actor.deformation.empty();
@@ -222,7 +222,7 @@ std::string to_text(const SceneFile& scene, const std::string& file) {
   if (!scene.world_from_rig.poses().empty()) root["world_from_rig"] = to_json(scene.world_from_rig, 0);
   if (!scene.recorded_frames.empty()) root["recorded_frames"] = to_json(scene.recorded_frames);
   if (!scene.scene.actors.empty()) root["actors"] = to_json(scene.scene.actors, 0);
-  if (!scene.scene.vistas.empty()) root["vistas"] = to_json(scene.scene.vistas);
+  if (!scene.scene.visibility_sets.empty()) root["vistas"] = to_json(scene.scene.visibility_sets);
   if (!scene.scene.occluders.empty()) root["occluders"] = to_json(scene.scene.occluders, 0);
   add_support(root, scene.support.get());
   try {

@@ -28,7 +28,7 @@ struct FindReport {
   std::size_t sweeps = 0;          // searched
   std::size_t moving_returns = 0;  // at places that other sweeps look through, of those above the ground
   std::size_t chains = 0;          // of clusters that move from sweep to sweep
-  std::size_t actors = 0;          // found; of a drive that is cut, in each of its stretches
+  std::size_t actors = 0;          // found; of a drive that is cut, in each of its chunks
   std::size_t added = 0;           // of them, without a label
   std::size_t continued = 0;       // labels that go on where they had ended (complete_actors.hpp)
   std::size_t returns_on_actors = 0;

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "host/core/base/parallel.hpp"
-#include "optim/points/point_tree.hpp"
+#include "optim/init/points/point_tree.hpp"
 
 namespace simuli {
 namespace {

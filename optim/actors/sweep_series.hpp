@@ -9,7 +9,7 @@
 #include "io/log/frame_selection.hpp"
 #include "io/log/log.hpp"
 #include "optim/init/initialize_moving.hpp"
-#include "optim/points/points.hpp"
+#include "optim/init/points/points.hpp"
 
 namespace simuli {
 

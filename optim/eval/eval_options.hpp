@@ -26,11 +26,11 @@ struct EvalOptions {
 /// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(EvalOptions& o, F&& field) {
-  field.keyless(o.image_scale);  // checked as those of a FrameSelection
-  field.keyless(o.held_out_every);
-  field.keyless(o.held_out_middle);
-  field.keyless(o.held_out_last);
-  field.keyless(o.held_out_sensors);
+  field.internal(o.image_scale);  // checked as those of a FrameSelection
+  field.internal(o.held_out_every);
+  field.internal(o.held_out_middle);
+  field.internal(o.held_out_last);
+  field.internal(o.held_out_sensors);
   field("timed_renders",
         o.timed_renders,
         at_least(1),

@@ -15,7 +15,7 @@
 #include "host/core/base/fields.hpp"
 #include "host/device/render/options/validate.hpp"
 #include "io/log/frame_files.hpp"
-#include "io/log/mended_labels.hpp"
+#include "io/log/sanitized_labels.hpp"
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/returns_near.hpp"
@@ -53,7 +53,7 @@ SweepComparison compare_rays(const SweepPair& pair,
   for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
     if (table != nullptr && !fires(*table, i)) continue;
     ++fired;
-    if (meets_own_vehicle(lidar, rays, i)) continue;
+    if (hits_ego_vehicle(lidar, rays, i)) continue;
     const RayResults& r = pair.simulated;
     out.truth_range.push_back(pair.recorded.range[i]);
     out.truth_intensity.push_back(pair.recorded.intensity[i]);
@@ -101,11 +101,11 @@ void leave_out(const std::vector<std::string>& names, Log& log, std::vector<std:
   });
 }
 
-/// The log as the scene knows it: its labels mended (told in `mended`), its sensors, and for the log that it was
+/// The log as the scene knows it: its labels sanitized (told in `sanitized`), its sensors, and for the log that it was
 /// trained on its path and the actors that it has. Training may have learned better.
-Log as_known_by(const SceneFile& scene, bool trained_on, Log log, std::vector<std::string>& mended) {
-  mended = mend_labels(log);
-  if (trained_on) leave_out(scene.training->labels_left_out, log, mended);
+Log as_known_by(const SceneFile& scene, bool trained_on, Log log, std::vector<std::string>& sanitized) {
+  sanitized = sanitize_labels(log);
+  if (trained_on) leave_out(scene.training->labels_left_out, log, sanitized);
   if (trained_on && !same_path(scene.world_from_rig, log.world_from_rig)) {
     log = on_path(std::move(log), scene.world_from_rig);
   }
@@ -186,7 +186,7 @@ class Evaluation::Run {
         all_(kinds_) {
     report_.frames = of.frames_;
     report_.device = of.on_device_.device().info().label();
-    report_.warnings = of.mended_labels_;
+    report_.warnings = of.sanitized_labels_;
   }
   [[nodiscard]] EvalReport run() && {
     const auto begin = std::chrono::steady_clock::now();
@@ -381,7 +381,7 @@ void Evaluation::Run::pool_rays(const SweepFrame& frame, const SweepPair& pair, 
     on = returns_on_actors({actors_, view}, lidar, pair.recorded.rays, range);
   }
   for (std::size_t i = 0; i < range.size(); ++i) {
-    if (meets_own_vehicle(lidar, pair.recorded.rays, i)) continue;
+    if (hits_ego_vehicle(lidar, pair.recorded.rays, i)) continue;
     const bool drops = pair.simulated.drop_probability(i) > 0.5F;
     const float simulated = best_distance(pair.simulated, i);
     if (!(range[i] > 0.0F)) {
@@ -408,7 +408,7 @@ Evaluation::Evaluation(const Device& device, SceneFile scene, Log log, const Eva
       options_(checked(options)),
       frames_(select_eval_frames(log, scene_, options)),
       log_(as_known_by(
-          scene_, scene_.training && frames_.kind != FrameKind::kOtherLog, std::move(log), mended_labels_)),
+          scene_, scene_.training && frames_.kind != FrameKind::kOtherLog, std::move(log), sanitized_labels_)),
       on_device_(device, borrowed(scene_.scene), options.render) {}
 
 Camera Evaluation::camera(const ImageFrame& frame) const {

@@ -32,7 +32,7 @@ struct EvalReport : EvalScores {
   int image_height = 0;
   std::string device;
   double seconds = 0.0;
-  std::vector<std::string> warnings;  // each one sentence: labels of the log that were mended
+  std::vector<std::string> warnings;  // each one sentence: labels of the log that were sanitized
 };
 
 /// Two pictures of one size.
@@ -82,7 +82,7 @@ class Evaluation {
   SceneFile scene_;
   EvalOptions options_;
   EvalFrames frames_;
-  std::vector<std::string> mended_labels_;
+  std::vector<std::string> sanitized_labels_;
   Log log_;
   SceneOnDevice on_device_;
 };

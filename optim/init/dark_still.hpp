@@ -7,7 +7,7 @@
 
 #include "host/core/scene/ground/ground_map.hpp"
 #include "optim/init/posed_frames.hpp"
-#include "optim/points/points.hpp"
+#include "optim/init/points/points.hpp"
 
 namespace simuli {
 

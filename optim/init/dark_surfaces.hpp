@@ -9,7 +9,7 @@
 #include "optim/init/dark_votes.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/init/posed_frames.hpp"
-#include "optim/points/points.hpp"
+#include "optim/init/points/points.hpp"
 
 namespace simuli {
 

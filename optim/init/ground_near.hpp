@@ -5,7 +5,7 @@
 
 #include "host/core/base/pose.hpp"
 #include "host/core/scene/ground/ground_map.hpp"
-#include "optim/points/points.hpp"
+#include "optim/init/points/points.hpp"
 
 namespace simuli {
 

@@ -22,7 +22,7 @@ Pose ImageView::scene_from_camera(const Eigen::Vector2d& pixel) const {
 bool ImageView::project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const {
   // Motion during the read-out shifts a point by far less than a quarter of the picture; further out it cannot
   // come back into it. The fixed point contracts by (shift / height) per look: three are plenty.
-  constexpr OwnTimeLooks kLooks{.most = 3, .settled_px = 0.01, .margin = 0.25};
+  constexpr OwnTimeObservations kLooks{.most = 3, .settled_px = 0.01, .margin = 0.25};
   Eigen::Vector3d p_camera;
   const auto at = [&](double share) -> const Eigen::Vector3d& {
     if (share == 0.5) return p_camera = camera_from_scene_mid_ * p_scene;

@@ -64,7 +64,7 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
         range(0.0, 50.0),
         "Height in m by which walls go on above the highest beam, for rendering LiDARs that look higher; 0: "
         "they end there.");
-  field("init.off_path_m",
+  field("init.off_trajectory_m",
         o.off_path_m,
         range(0.0, 100.0),
         "Distance in m that cameras may leave the recorded path by. Surfaces that come into sight there get "
@@ -84,12 +84,12 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
   field("init.register_tracks",
         o.register_tracks,
         "Correct the actors' labelled tracks by their LiDAR returns. false: labels are exact.");
-  field.keyless(o.lidar_sh_degree);
-  field.keyless(o.max_shell);
-  field.keyless(o.shell_distance_m);
-  field.keyless(o.max_scale_m);
-  field.keyless(o.actor_margin_m);
-  field.keyless(o.drop_moving);
+  field.internal(o.lidar_sh_degree);
+  field.internal(o.max_shell);
+  field.internal(o.shell_distance_m);
+  field.internal(o.max_scale_m);
+  field.internal(o.actor_margin_m);
+  field.internal(o.drop_moving);
 }
 
 /// What the initialisation did, so that nothing is dropped without a number.

@@ -28,7 +28,7 @@
 #include "optim/init/posed_frames.hpp"
 #include "optim/init/sky.hpp"
 #include "optim/init/walls_upward.hpp"
-#include "optim/points/points.hpp"
+#include "optim/init/points/points.hpp"
 
 namespace simuli {
 namespace {
@@ -70,16 +70,16 @@ PointSet keep_static(const PointSet& points, const std::vector<bool>& moved) {
 }
 
 /// Keeps the points at `indices`, with their looks.
-void keep(PointSet& points, std::vector<PointLook>& looks, const std::vector<std::uint32_t>& indices) {
-  std::vector<PointLook> kept_looks;
-  kept_looks.reserve(indices.size());
-  for (const std::uint32_t i : indices) kept_looks.push_back(looks[i]);
+void keep(PointSet& points, std::vector<PointObservation>& looks, const std::vector<std::uint32_t>& indices) {
+  std::vector<PointObservation> kept_observations;
+  kept_observations.reserve(indices.size());
+  for (const std::uint32_t i : indices) kept_observations.push_back(looks[i]);
   points = points.subset(indices);
-  looks = std::move(kept_looks);
+  looks = std::move(kept_observations);
 }
 
 /// Drops points that no image saw. Returns their number.
-std::size_t keep_seen(PointSet& points, std::vector<PointLook>& looks) {
+std::size_t keep_seen(PointSet& points, std::vector<PointObservation>& looks) {
   std::vector<std::uint32_t> seen;
   for (std::size_t i = 0; i < looks.size(); ++i) {
     if (std::isfinite(looks[i].range_m)) seen.push_back(static_cast<std::uint32_t>(i));
@@ -91,7 +91,7 @@ std::size_t keep_seen(PointSet& points, std::vector<PointLook>& looks) {
 
 /// Thins to `limit` points. Returns the number of those left out.
 std::size_t keep_some(PointSet& points,
-                      std::vector<PointLook>& looks,
+                      std::vector<PointObservation>& looks,
                       std::size_t limit,
                       std::uint64_t seed) {
   const std::size_t count = points.size();
@@ -201,7 +201,7 @@ class Initialisation {
   InitReport& report_ = out_.report;
   std::optional<ActorPoints> actors_;
   PointSet points_;               // of the background, one per voxel
-  std::vector<PointLook> looks_;  // at points_, then at the actors' points
+  std::vector<PointObservation> looks_;  // at points_, then at the actors' points
   std::vector<ImageView> views_;  // [images_]
   std::optional<FarShell> shell_, sky_;
   std::size_t ground_begin_ = 0, ground_end_ = 0;  // of points_: that no laser reached
@@ -362,7 +362,7 @@ void Initialisation::take_colours() {
     const int cell_px = std::max(1, static_cast<int>(sample_px));
     const std::vector<std::uint32_t> near = blocks.seen_from(view);
     const PointSet placed = actors_->placed(points_.subset(near), middle_s(*frame), view);
-    std::vector<PointLook> own;
+    std::vector<PointObservation> own;
     for (const std::uint32_t i : near) own.push_back(looks_[i]);
     own.insert(own.end(), looks_.begin() + static_cast<std::ptrdiff_t>(points_.size()), looks_.end());
     Coverage coverage = look_at_points(view, image, placed, options_.voxel_m, cell_px, own);
@@ -371,7 +371,7 @@ void Initialisation::take_colours() {
               own.end(),
               looks_.begin() + static_cast<std::ptrdiff_t>(points_.size()));
     actors_->cover(view, middle_s(*frame), coverage);
-    const std::vector<FarLook> looks = far_looks(view, image, coverage);
+    const std::vector<FarObservation> looks = far_observations(view, image, coverage);
     if (options_.max_shell > 0) shell_->add(looks);
     if (has_environment) sky_->add(looks);
     step();
@@ -394,7 +394,7 @@ std::size_t Initialisation::keep_seen_ground() {
 }
 
 void Initialisation::place_camera_set() {
-  auto actor_looks = actors_->split(looks_, points_.size());
+  auto actor_observations = actors_->split(looks_, points_.size());
   looks_.resize(points_.size());
   report_.ground_points = keep_seen_ground();
   const UnseenSurfaces unseen = unseen_surfaces(points_, looks_, views_, options_);
@@ -412,9 +412,9 @@ void Initialisation::place_camera_set() {
   append(scene_.camera, shell_set(*shell_, patches, shell_kept, options_), 0);
   for (std::size_t i = 0; i < scene_.actors.size(); ++i) {
     PointSet seen = actors_->camera_points()[i];
-    static_cast<void>(keep_seen(seen, actor_looks[i]));
-    static_cast<void>(keep_some(seen, actor_looks[i], options_.max_camera, frames_.seed));
-    append(scene_.camera, camera_set(seen, actor_looks[i], options_), static_cast<std::uint32_t>(i + 1));
+    static_cast<void>(keep_seen(seen, actor_observations[i]));
+    static_cast<void>(keep_some(seen, actor_observations[i], options_.max_camera, frames_.seed));
+    append(scene_.camera, camera_set(seen, actor_observations[i], options_), static_cast<std::uint32_t>(i + 1));
   }
   if (!patches.empty()) scene_.camera_background = sky_colour(patches);
   if (options_.environment_width > 0) {

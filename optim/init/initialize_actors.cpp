@@ -284,9 +284,9 @@ void ActorPoints::cover(const ImageView& view, double time_s, Coverage& coverage
       kCellsPerThread);
 }
 
-std::vector<std::vector<PointLook>> ActorPoints::split(const std::vector<PointLook>& looks,
+std::vector<std::vector<PointObservation>> ActorPoints::split(const std::vector<PointObservation>& looks,
                                                        std::size_t background_count) const {
-  std::vector<std::vector<PointLook>> out;
+  std::vector<std::vector<PointObservation>> out;
   auto at = looks.begin() + static_cast<std::ptrdiff_t>(background_count);
   for (const PointSet& points : camera_points_) {
     const auto end = at + static_cast<std::ptrdiff_t>(points.size());

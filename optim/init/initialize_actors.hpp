@@ -6,7 +6,7 @@
 
 #include "host/core/scene/actor.hpp"
 #include "optim/init/initialize_views.hpp"
-#include "optim/points/points.hpp"
+#include "optim/init/points/points.hpp"
 
 namespace simuli {
 
@@ -66,7 +66,7 @@ class ActorPoints {
   /// Marks the cells that look at a box: what they show is no background.
   void cover(const ImageView& view, double time_s, Coverage& coverage) const;
   /// Looks behind those of `background_count` points, parted by actor.
-  [[nodiscard]] std::vector<std::vector<PointLook>> split(const std::vector<PointLook>& looks,
+  [[nodiscard]] std::vector<std::vector<PointObservation>> split(const std::vector<PointObservation>& looks,
                                                           std::size_t background_count) const;
 
  private:

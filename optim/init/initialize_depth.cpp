@@ -52,7 +52,7 @@ std::size_t PictureDepths::add_to(PointSet& points, const std::function<void()>&
         const auto [image, view] = load_view(log, *frames[next], origin, image_scale);
         const PointSet placed =
             actors.placed(points.subset(blocks.seen_from(view)), middle_s(*frames[next]), view);
-        std::vector<PointLook> unused(placed.size());
+        std::vector<PointObservation> unused(placed.size());
         Coverage coverage = look_at_points(view, image, placed, voxel_m, SweepPicture::kPixel_px, unused);
         actors.cover(view, middle_s(*frames[next]), coverage);
         window.push_back({sweep_picture(view, image, sky.at(frames[next])), std::move(coverage)});

@@ -10,7 +10,7 @@
 #include "io/log/log.hpp"
 #include "optim/init/initialize_actors.hpp"
 #include "optim/init/sky.hpp"
-#include "optim/points/points.hpp"
+#include "optim/init/points/points.hpp"
 
 namespace simuli {
 

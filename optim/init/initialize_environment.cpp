@@ -40,7 +40,7 @@ Level halved(Level& fine) {
 
 /// Gives cells without a colour the mean of their row, and rows without any that of the nearest row that has
 /// one: sky goes on upwards and all around, ground downwards.
-void fill_by_rows(Level& level) {
+void inpaint_by_rows(Level& level) {
   std::vector<Eigen::Vector4f> means;
   for (int y = 0; y < level.height; ++y) {
     Eigen::Vector4f sum = Eigen::Vector4f::Zero();
@@ -96,7 +96,7 @@ EnvironmentMap environment_of(const std::vector<FarShell::Patch>& patches, int w
   // Small holes of a fine map close by the mean of the block around them.
   constexpr int kCoarse = 64;  // cells around
   while (levels.back().width > kCoarse) levels.push_back(halved(levels.back()));
-  fill_by_rows(levels.back());
+  inpaint_by_rows(levels.back());
 
   EnvironmentMap map{width, height, {}};
   map.texels.reserve(3 * levels[0].sum.size());

@@ -6,7 +6,7 @@
 #include "host/core/base/pose.hpp"
 #include "host/core/sensors/lidar.hpp"
 #include "io/log/log.hpp"
-#include "optim/points/points.hpp"
+#include "optim/init/points/points.hpp"
 
 namespace simuli {
 

@@ -5,7 +5,7 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/linear_algebra.hpp"
-#include "optim/points/surface_shapes.hpp"
+#include "optim/init/points/surface_shapes.hpp"
 
 namespace simuli {
 namespace {
@@ -99,7 +99,7 @@ GaussianSet unmet_set(const PointSet& points, const InitOptions& options) {
 }
 
 GaussianSet camera_set(const PointSet& points,
-                       const std::vector<PointLook>& looks,
+                       const std::vector<PointObservation>& looks,
                        const InitOptions& options) {
   GaussianSet set(SetKind::kCamera, options.camera_sh_degree, static_cast<Eigen::Index>(points.size()));
   const std::vector<LocalShape> shapes = local_shapes(points);

@@ -7,8 +7,8 @@
 #include "optim/init/initialize.hpp"
 #include "optim/init/initialize_unseen.hpp"
 #include "optim/init/initialize_views.hpp"
-#include "optim/points/points.hpp"
-#include "optim/points/surface_cells.hpp"
+#include "optim/init/points/points.hpp"
+#include "optim/init/points/surface_cells.hpp"
 
 namespace simuli {
 
@@ -26,7 +26,7 @@ namespace simuli {
 
 /// A camera particle on every point, coloured by `looks`.
 [[nodiscard]] GaussianSet camera_set(const PointSet& points,
-                                     const std::vector<PointLook>& looks,
+                                     const std::vector<PointObservation>& looks,
                                      const InitOptions& options);
 
 /// One on each of the cells at the indices `kept`: opaque from the start, since no picture teaches it.

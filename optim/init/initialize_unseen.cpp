@@ -96,12 +96,12 @@ Likeness likeness(const Eigen::Vector3f& p,
 
 /// The points that may lend their colour: `seen`, but for those that are hardly seen, unless all are.
 std::vector<std::uint32_t> lenders_of(const std::vector<std::uint32_t>& seen,
-                                      const std::vector<PointLook>& looks,
+                                      const std::vector<PointObservation>& looks,
                                       std::size_t views) {
   const auto least = static_cast<std::uint32_t>(std::min<std::size_t>(kWitnesses, views));
   std::vector<std::uint32_t> out;
   for (const std::uint32_t i : seen) {
-    const PointLook& look = looks[i];
+    const PointObservation& look = looks[i];
     if (look.images >= least && look.colours.sizes().maxCoeff() < kAlike) out.push_back(i);
   }
   return out.empty() ? seen : out;
@@ -127,7 +127,7 @@ Eigen::Vector3f colour_alike(const Likeness& query,
 }  // namespace
 
 UnseenSurfaces unseen_surfaces(const PointSet& points,
-                               const std::vector<PointLook>& looks,
+                               const std::vector<PointObservation>& looks,
                                const std::vector<ImageView>& views,
                                const InitOptions& options) {
   std::vector<std::uint32_t> seen, unseen;

@@ -7,14 +7,14 @@
 
 #include "optim/init/init_options.hpp"
 #include "optim/init/initialize_views.hpp"
-#include "optim/points/points.hpp"
-#include "optim/points/surface_cells.hpp"
-#include "optim/points/surface_shapes.hpp"
+#include "optim/init/points/points.hpp"
+#include "optim/init/points/surface_cells.hpp"
+#include "optim/init/points/surface_shapes.hpp"
 
 namespace simuli {
 
 /// The surfaces of points without a look that one of the views would have in its picture were it up to
-/// options.off_path_m to either side, or above. No picture will ever mend them: they are made closed, as the
+/// options.off_path_m to either side, or above. No picture will ever repair them: they are made closed, as the
 /// LiDAR set's are.
 struct UnseenSurfaces {
   std::vector<SurfaceCell> cells;
@@ -26,7 +26,7 @@ struct UnseenSurfaces {
 
 /// `looks`: [points], by the pictures of `views`. Nothing when no point has a look, or off_path_m is 0.
 [[nodiscard]] UnseenSurfaces unseen_surfaces(const PointSet& points,
-                                             const std::vector<PointLook>& looks,
+                                             const std::vector<PointObservation>& looks,
                                              const std::vector<ImageView>& views,
                                              const InitOptions& options);
 

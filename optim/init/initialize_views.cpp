@@ -175,7 +175,7 @@ Coverage look_at_points(const ImageView& view,
                         const PointSet& points,
                         double point_size_m,
                         int cell_px,
-                        std::vector<PointLook>& looks) {
+                        std::vector<PointObservation>& looks) {
   const Camera& camera = view.camera();
   if (image.width != camera.width || image.height != camera.height || image.channels != 3 ||
       looks.size() != points.size() || cell_px < 1) {
@@ -199,7 +199,7 @@ Coverage look_at_points(const ImageView& view,
   // ... then the colour of every point that nothing nearer hides.
   parallel_each(seen.size(), [&](std::size_t i) {
     const SeenPoint& s = seen[i];
-    PointLook& look = looks[s.index];
+    PointObservation& look = looks[s.index];
     if (nearest.hide(s.pixel, s.range_m)) return;
     const Eigen::Vector3f colour = sample_bilinear<3>(image, s.pixel);
     ++look.images;
@@ -214,7 +214,7 @@ Coverage look_at_points(const ImageView& view,
 }
 
 std::size_t join_by_footprint(PointSet& points,
-                              std::vector<PointLook>& looks,
+                              std::vector<PointObservation>& looks,
                               double finest_m,
                               double pixels) {
   struct Key {
@@ -239,12 +239,12 @@ std::size_t join_by_footprint(PointSet& points,
 
   PointSet out;
   out.position.resize(3, points.position.cols());
-  std::vector<PointLook> out_looks;
+  std::vector<PointObservation> out_observations;
   for (std::size_t begin = 0, end = 0; begin < keys.size(); begin = end) {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     Eigen::Vector3d colour = Eigen::Vector3d::Zero();
     double intensity = 0.0;
-    PointLook closest = looks[keys[begin].index];
+    PointObservation closest = looks[keys[begin].index];
     for (; end < keys.size() && keys[end].level == keys[begin].level && keys[end].voxel == keys[begin].voxel;
          ++end) {
       const std::uint32_t i = keys[end].index;
@@ -257,12 +257,12 @@ std::size_t join_by_footprint(PointSet& points,
     closest.colour = (colour / count).cast<float>();
     out.position.col(static_cast<Eigen::Index>(out.size())) = (position / count).cast<float>();
     out.intensity.push_back(static_cast<float>(intensity / count));
-    out_looks.push_back(closest);
+    out_observations.push_back(closest);
   }
   out.position.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(out.size()));
   const std::size_t joined = points.size() - out.size();
   points = std::move(out);
-  looks = std::move(out_looks);
+  looks = std::move(out_observations);
   return joined;
 }
 
@@ -283,9 +283,9 @@ FarShell::FarShell(double spacing_deg, double distance_m)
   }
 }
 
-std::vector<FarLook> far_looks(const ImageView& view, const Image& image, const Coverage& coverage) {
+std::vector<FarObservation> far_observations(const ImageView& view, const Image& image, const Coverage& coverage) {
   const std::size_t count = coverage.covered.size(), columns = static_cast<std::size_t>(coverage.columns);
-  std::vector<std::optional<FarLook>> of_cell(count);
+  std::vector<std::optional<FarObservation>> of_cell(count);
   parallel_each(
       count,
       [&](std::size_t i) {
@@ -293,22 +293,22 @@ std::vector<FarLook> far_looks(const ImageView& view, const Image& image, const 
         // The last row and column of cells may be cut off by the picture's edge.
         const Eigen::Vector2d pixel{std::min((column + 0.5) * coverage.cell_px, image.width - 0.5),
                                     std::min((row + 0.5) * coverage.cell_px, image.height - 0.5)};
-        FarLook look;
+        FarObservation look;
         view.unproject(pixel, look.origin, look.direction);
         if (look.direction.isZero(0.0) || view.hides(pixel)) return;
         if (coverage.is_empty_around(column, row)) look.colour = sample_bilinear<3>(image, pixel);
         of_cell[i] = look;
       },
       kCellsPerThread);
-  std::vector<FarLook> out;
-  for (const std::optional<FarLook>& look : of_cell) {
+  std::vector<FarObservation> out;
+  for (const std::optional<FarObservation>& look : of_cell) {
     if (look) out.push_back(*look);
   }
   return out;
 }
 
-void FarShell::add(const std::vector<FarLook>& looks) {
-  for (const FarLook& look : looks) {
+void FarShell::add(const std::vector<FarObservation>& looks) {
+  for (const FarObservation& look : looks) {
     if (look.origin.norm() < distance_m_) continue;
     throw Error(
         ErrorKind::kInput,
@@ -333,7 +333,7 @@ void FarShell::add(const std::vector<FarLook>& looks) {
   }
 }
 
-FarShell::Meeting FarShell::meeting(const FarLook& look) const {
+FarShell::Meeting FarShell::meeting(const FarObservation& look) const {
   // Where the ray leaves the sphere: |origin + t direction| = distance.
   const double b = look.origin.dot(look.direction);
   const double c = look.origin.squaredNorm() - distance_m_ * distance_m_;

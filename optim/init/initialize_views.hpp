@@ -14,7 +14,7 @@
 #include "host/core/base/pose.hpp"
 #include "host/core/sensors/camera.hpp"
 #include "io/picture/image.hpp"
-#include "optim/points/points.hpp"
+#include "optim/init/points/points.hpp"
 
 namespace simuli {
 
@@ -65,7 +65,7 @@ struct SeenPoint {
 [[nodiscard]] std::vector<SeenPoint> seen_points(const ImageView& view, const PointSet& points);
 
 /// The closest look at a point over all images so far, and what all of them have shown.
-struct PointLook {
+struct PointObservation {
   float range_m = std::numeric_limits<float>::infinity();  // +inf: not seen
   float footprint_m = 0.0F;                                // side of a pixel at that range
   Eigen::Vector3f colour = Eigen::Vector3f::Zero();        // [0,1]
@@ -123,7 +123,7 @@ Coverage look_at_points(const ImageView& view,
                         const PointSet& points,
                         double point_size_m,
                         int cell_px,
-                        std::vector<PointLook>& looks);
+                        std::vector<PointObservation>& looks);
 
 /// Least width in pixels of the camera set's voxels in the closest picture of them. Drive 0013: none 22.59 dB
 /// with 424 k particles, 3 px 22.58 dB with 292 k. Street, 2 px: 32.99 dB for 32.70, the same off the path.
@@ -133,7 +133,7 @@ inline constexpr double kCameraVoxel_px = 3.0;
 /// finest_m times the power of two nearest to `pixels` pixels of the closest look at its points (or finest_m,
 /// if that is more). Points in order of side and voxel; returns by how many there are fewer.
 std::size_t join_by_footprint(PointSet& points,
-                              std::vector<PointLook>& looks,
+                              std::vector<PointObservation>& looks,
                               double finest_m,
                               double pixels);
 
@@ -197,14 +197,14 @@ class PointBlocks {
 };
 
 /// A look at a picture's pixel where points may hide what is behind them.
-struct FarLook {
+struct FarObservation {
   Eigen::Vector3d origin, direction;      // in the scene
   std::optional<Eigen::Vector3f> colour;  // none: hidden
 };
 
 /// At the middles of the cells of `coverage` that have a ray there; those that are empty with their neighbours are not
 /// hidden.
-[[nodiscard]] std::vector<FarLook> far_looks(const ImageView& view,
+[[nodiscard]] std::vector<FarObservation> far_observations(const ImageView& view,
                                              const Image& image,
                                              const Coverage& coverage);
 
@@ -215,7 +215,7 @@ class FarShell {
   /// Throws Error{kUsage} unless 0.05 <= spacing_deg <= 45 and distance_m > 0.
   FarShell(double spacing_deg, double distance_m);
   /// Error{kInput} unless they begin within the shell.
-  void add(const std::vector<FarLook>& looks);
+  void add(const std::vector<FarObservation>& looks);
 
   struct Patch {
     Eigen::Vector3f direction;  // unit, from the scene origin
@@ -239,7 +239,7 @@ class FarShell {
     Eigen::Vector3d from_origin = Eigen::Vector3d::Zero();
     std::uint64_t cell = 0;
   };
-  [[nodiscard]] Meeting meeting(const FarLook& look) const;
+  [[nodiscard]] Meeting meeting(const FarObservation& look) const;
 
   double spacing_rad_;
   double distance_m_;

@@ -23,7 +23,7 @@ constexpr float kOneWay = 0.7F;           // of the mean of their normals: its l
 constexpr double kHighest_m = 15.0;       // above the top
 constexpr double kFarthestLook_m = 60.0;  // looks from farther away tell nothing
 constexpr double kWidest_m = 1.2;         // of a pixel on the wall
-constexpr std::size_t kLeastLooks = 3;
+constexpr std::size_t kMinObservations = 3;
 constexpr float kAgreeing = 0.7F;     // share of the looks
 constexpr int kAlikeOf255 = 15;       // of colours, per channel
 constexpr float kEdge = 0.06F;        // between neighbours
@@ -40,7 +40,7 @@ float difference(const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return (a
 std::vector<std::vector<std::size_t>> same_walls(const std::vector<WallColumn>& columns) {
   std::map<std::array<int, 2>, std::vector<std::size_t>> blocks;
   const auto block_of = [](const WallColumn& column) {
-    const Eigen::Vector2i at = (column.place_m / kStreak_m).array().floor().cast<int>();
+    const Eigen::Vector2i at = (column.position_m / kStreak_m).array().floor().cast<int>();
     return std::array<int, 2>{at.x(), at.y()};
   };
   for (std::size_t k = 0; k < columns.size(); ++k) blocks[block_of(columns[k])].push_back(k);
@@ -51,7 +51,7 @@ std::vector<std::vector<std::size_t>> same_walls(const std::vector<WallColumn>& 
       const auto block = blocks.find({middle[0] + i % 3 - 1, middle[1] + i / 3 - 1});
       if (block == blocks.end()) continue;
       for (const std::size_t other : block->second) {
-        const Eigen::Vector2d way = columns[other].place_m - columns[k].place_m;
+        const Eigen::Vector2d way = columns[other].position_m - columns[k].position_m;
         const bool is_same = way.norm() < kStreak_m && std::abs(way.dot(columns[k].normal)) < kOffPlane_m &&
                              std::abs(columns[other].normal.dot(columns[k].normal)) > kParallelWalls;
         if (is_same) out[k].push_back(other);
@@ -131,11 +131,11 @@ std::vector<WallColumn> wall_columns(const PointSet& points, double cell_m) {
   return out;
 }
 
-void WallLooks::refute() {
+void WallObservations::refute() {
   if (refuted_ < std::numeric_limits<std::uint16_t>::max()) ++refuted_;
 }
 
-void WallLooks::add(float range_m, const Eigen::Vector3f& colour) {
+void WallObservations::add(float range_m, const Eigen::Vector3f& colour) {
   Look look{range_m, {}};
   for (std::size_t c = 0; c < 3; ++c) {
     const float of_255 = 255.0F * std::clamp(colour[static_cast<Eigen::Index>(c)], 0.0F, 1.0F);
@@ -150,8 +150,8 @@ void WallLooks::add(float range_m, const Eigen::Vector3f& colour) {
   if (range_m < farthest->range_m) *farthest = look;
 }
 
-std::optional<Eigen::Vector3f> WallLooks::agreed() const {
-  if (count_ < kLeastLooks || refuted_ > count_ / 2) return std::nullopt;
+std::optional<Eigen::Vector3f> WallObservations::agreed() const {
+  if (count_ < kMinObservations || refuted_ > count_ / 2) return std::nullopt;
   const auto is_alike = [](const Colour& a, const Colour& b) {
     int most = 0;
     for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(a[c] - b[c]));
@@ -194,9 +194,9 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
   const auto gap = static_cast<std::size_t>(std::lround(kGap_m / cell_m));
   const auto place = [&](std::size_t column, std::size_t at) {
     const WallColumn& c = columns[column];
-    return Eigen::Vector3d(c.place_m.x(), c.place_m.y(), c.top_m + (static_cast<double>(at) + 1.0) * cell_m);
+    return Eigen::Vector3d(c.position_m.x(), c.position_m.y(), c.top_m + (static_cast<double>(at) + 1.0) * cell_m);
   };
-  std::vector<WallLooks> looks(columns.size() * steps);
+  std::vector<WallObservations> looks(columns.size() * steps);
   const PointBlocks blocks(points);
   if (!columns.empty()) expect(log, images, image_scale);
   for (const ImageFrame* frame : images) {
@@ -214,7 +214,7 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
     parallel_each(
         columns.size(),
         [&, &image = image, &view = view](std::size_t k) {
-          const Eigen::Vector2d way = columns[k].place_m - eye.head<2>();
+          const Eigen::Vector2d way = columns[k].position_m - eye.head<2>();
           const double away_m = way.norm();
           if (!(away_m > 1.0 && away_m < kFarthestLook_m)) return;
           const double cosine = std::abs(way.dot(columns[k].normal)) / away_m;
@@ -223,7 +223,7 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
             Eigen::Vector2d pixel;
             double range_m = 0.0;
             if (!view.project(place(k, s), pixel, range_m) || nearest.hide(pixel, range_m)) continue;
-            WallLooks& look = looks[k * steps + s];
+            WallObservations& look = looks[k * steps + s];
             if (nearest.are_seen_through(pixel, range_m)) {
               look.refute();
             } else {

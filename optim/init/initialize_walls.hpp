@@ -12,13 +12,13 @@
 #include "io/log/log.hpp"
 #include "optim/init/initialize_actors.hpp"
 #include "optim/init/initialize_views.hpp"
-#include "optim/points/points.hpp"
+#include "optim/init/points/points.hpp"
 
 namespace simuli {
 
 /// Where a wall was met for the last time on the way up, and what pictures show above.
 struct WallColumn {
-  Eigen::Vector2d place_m;  // scene x, y
+  Eigen::Vector2d position_m;  // scene x, y
   Eigen::Vector2d normal;   // unit, horizontal; to either side
   double top_m = 0.0;       // scene z
   float intensity = 0.0F;   // mean
@@ -34,7 +34,7 @@ struct WallColumn {
                                                    const std::vector<double>& tops);
 
 /// What pictures show of one place: the colours of the nearest looks at it.
-class WallLooks {
+class WallObservations {
  public:
   /// A look from range_m away; the farthest makes room.
   void add(float range_m, const Eigen::Vector3f& colour);

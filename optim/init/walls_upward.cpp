@@ -96,7 +96,7 @@ WallsUpward::WallsUpward(const PointSet& points, double voxel_m, double up_m)
 
 Eigen::Vector3d WallsUpward::place(std::size_t column, std::size_t step) const {
   const WallColumn& c = columns_[column];
-  return {c.place_m.x(), c.place_m.y(), c.top_m + (static_cast<double>(step) + 1.0) * cell_m_};
+  return {c.position_m.x(), c.position_m.y(), c.top_m + (static_cast<double>(step) + 1.0) * cell_m_};
 }
 
 void WallsUpward::look_through(const PosedSweep& posed) {

@@ -11,7 +11,7 @@
 #include "optim/init/init_options.hpp"
 #include "optim/init/initialize_walls.hpp"
 #include "optim/init/posed_frames.hpp"
-#include "optim/points/points.hpp"
+#include "optim/init/points/points.hpp"
 
 namespace simuli {
 

@@ -17,7 +17,7 @@
 #include "host/device/render/train/shard_sum.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/train/structure.hpp"
-#include "optim/train/trained_look.hpp"
+#include "optim/train/trained_appearance.hpp"
 #include "optim/train/trained_set.hpp"
 
 namespace simuli {
@@ -154,7 +154,7 @@ void add_frame(
                          .actors = counts.actors,
                          .moving_particles = counts.actors > 0 ? most : 0,
                          .visible = most,
-                         .instances = most,
+                         .pairs = most,
                          .slots = slots,
                          .tiles = slots / kSmallestTile,
                          .ray_rows = counts.actors > 0 ? 7U : 6U,
@@ -242,13 +242,13 @@ void add_rays(const Device& device, Tally& tally, const Counts& counts, const Lo
 }
 
 /// Pictures from beside the path.
-void add_beside(Tally& tally, const Counts& counts, std::uint64_t cameras) {
+void add_off_trajectory(Tally& tally, const Counts& counts, std::uint64_t cameras) {
   const std::uint64_t slots = slots_of(counts.images.largest);
-  tally.add("beside", {"sensor of a recorded view", sizeof(shared::SensorConstants<float>)});
-  tally.add("beside", {"surfaces of a recorded view", SIM_OUTPUTS * counts.slots() * sizeof(float)});
-  tally.add("beside", {"picture from beside", 3 * slots * sizeof(float)}, cameras);
-  tally.add("beside", {"ray_of_slot", slots * sizeof(std::int32_t)}, cameras);
-  tally.add("beside", {"slots_of_map", slots * sizeof(std::int32_t)}, cameras);
+  tally.add("off_trajectory", {"sensor of a recorded view", sizeof(shared::SensorConstants<float>)});
+  tally.add("off_trajectory", {"surfaces of a recorded view", SIM_OUTPUTS * counts.slots() * sizeof(float)});
+  tally.add("off_trajectory", {"picture from beside", 3 * slots * sizeof(float)}, cameras);
+  tally.add("off_trajectory", {"ray_of_slot", slots * sizeof(std::int32_t)}, cameras);
+  tally.add("off_trajectory", {"slots_of_map", slots * sizeof(std::int32_t)}, cameras);
 }
 
 void add_structure(const Device& device, Tally& tally, const Counts& counts, const TrainOptions& options) {
@@ -298,14 +298,14 @@ MemoryNeed training_memory(const Device& device,
   add_set(device, tally, "camera set", scene.camera, counts.camera, counts, options);
   add_set(device, tally, "LiDAR set", scene.lidar, counts.lidar, counts, options);
   const GridPlan grids =
-      plan_grids(options.look, log, HeldOutRule(log, training.frames).training(log.images));
+      plan_grids(options.appearance, log, HeldOutRule(log, training.frames).training(log.images));
   add_frame(device, tally, counts, options, !grids.images.empty());
   if (options.image.dissimilarity > 0.0) add_ssim(device, tally, counts);
   if (!scene.environment.empty()) add_environment(device, tally, scene.environment, counts);
   if (!grids.images.empty()) add_color_grids(device, tally, counts, grids);
   add_rays(device, tally, counts, log, options.cache_bytes);
-  if (options.beside.weight > 0.0 && counts.images.frames > 0 && counts.camera > 0 && counts.lidar > 0)
-    add_beside(tally, counts, log.cameras.size());
+  if (options.off_trajectory.weight > 0.0 && counts.images.frames > 0 && counts.camera > 0 && counts.lidar > 0)
+    add_off_trajectory(tally, counts, log.cameras.size());
   add_structure(device, tally, counts, options);
   if (options.shards.count > 1) {
     add_shards(device, tally, counts, scene, static_cast<std::size_t>(options.shards.count));
@@ -318,7 +318,7 @@ MemoryNeed training_memory(const Device& device,
 
 std::size_t frame_budget(const TrainingOptions& options) {
   std::size_t budget = options.train.host_cache_bytes;
-  const std::size_t limit = options.stretches.host_memory_bytes;
+  const std::size_t limit = options.chunks.host_memory_bytes;
   if (limit > 0) budget = std::min(budget, limit / 8);
   const long pages = sysconf(_SC_PHYS_PAGES), page_bytes = sysconf(_SC_PAGE_SIZE);
   if (pages <= 0 || page_bytes <= 0) return budget;
@@ -345,7 +345,7 @@ void need_memory(const Device& device, const Log& log, const Scene& scene, const
     throw Error(ErrorKind::kDevice,
                 fmt::format("train: device memory: found a need of {}; allowed {:.3f} GB{} (fewer particles: "
                             "init.max_camera, init.max_lidar, densify.cap; fewer frames kept: cache_bytes; a "
-                            "part of the drive at a time: stretch.length_m)",
+                            "part of the drive at a time: chunk.length_m)",
                             need.text(),
                             giga(allowed),
                             limit > 0 ? " by memory_bytes" : " of " + info.label()));

@@ -18,7 +18,7 @@ struct MemoryItem {
 };
 
 /// Items, the largest first. An upper estimate: sets at the size that densification may take them to, and as
-/// many tile instances as particles of the larger set, which is what street scenes stay below.
+/// many tile pairs as particles of the larger set, which is what street scenes stay below.
 struct MemoryNeed {
   std::vector<MemoryItem> items;
   std::map<std::string, std::uint64_t> by_buffer;  // bytes by the buffers' names

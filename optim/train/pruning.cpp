@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "optim/base/frames.hpp"
-#include "optim/log/row_offsets.hpp"
+#include "optim/data/row_offsets.hpp"
 
 namespace simuli {
 

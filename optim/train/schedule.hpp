@@ -60,14 +60,14 @@ constexpr void visit_fields(LearningRates& o, F&& field) {
         o.sh,
         at_least(0.0),
         "Learning rate of colours at the start. Less: steadier, for long trainings.");
-  field.keyless(o.mean_m);
-  field.keyless(o.mean_final_m);
-  field.keyless(o.log_scale);
-  field.keyless(o.rotation);
-  field.keyless(o.opacity);
-  field.keyless(o.sh_rest);
-  field.keyless(o.final_share);
-  field.keyless(o.last_share);
+  field.internal(o.mean_m);
+  field.internal(o.mean_final_m);
+  field.internal(o.log_scale);
+  field.internal(o.rotation);
+  field.internal(o.opacity);
+  field.internal(o.sh_rest);
+  field.internal(o.final_share);
+  field.internal(o.last_share);
 }
 
 /// The rates of a training of so many iterations: scales move faster in one of fewer than 1500, by the cube root of

@@ -12,7 +12,7 @@ constexpr std::size_t kPoseNumbers = 12;
 std::vector<double> numbers_of(const std::vector<ActorPoseGradient>& actors) {
   std::vector<double> out;
   for (const ActorPoseGradient& actor : actors) {
-    for (const auto* part : {&actor.shift_start, &actor.turn_start, &actor.shift_end, &actor.turn_end}) {
+    for (const auto* part : {&actor.shift_start, &actor.revolution_start, &actor.shift_end, &actor.turn_end}) {
       out.insert(out.end(), part->begin(), part->end());
     }
   }
@@ -23,7 +23,7 @@ std::vector<ActorPoseGradient> poses_of(const std::vector<double>& numbers) {
   std::vector<ActorPoseGradient> out(numbers.size() / kPoseNumbers);
   const double* from = numbers.data();
   for (ActorPoseGradient& actor : out) {
-    for (auto* part : {&actor.shift_start, &actor.turn_start, &actor.shift_end, &actor.turn_end}) {
+    for (auto* part : {&actor.shift_start, &actor.revolution_start, &actor.shift_end, &actor.turn_end}) {
       *part = Eigen::Vector3d(from);
       from += 3;
     }
@@ -84,7 +84,7 @@ Shards::Shards(const Device& device, std::size_t count, Ranks& ranks) : count_(c
 std::vector<ShardPart> Shards::run(TrainedSet& set, bool errors, const Show& show) {
   std::vector<ShardPart> parts;
   if (!sum_) {
-    ShownShard shown = show(0, set.error);
+    RenderedShard shown = show(0, set.error);
     grads_ = &set.grads;
     keys_ = &shown.pass.buffers().projected.keys;
     parts.push_back(std::move(shown.part));
@@ -94,7 +94,7 @@ std::vector<ShardPart> Shards::run(TrainedSet& set, bool errors, const Show& sho
   const auto begin = [&](std::size_t rank) { return rank * count_ / ranks_.size(); };
   sum_->start(set.particles, errors);
   for (std::size_t shard = begin(ranks_.rank()); shard < begin(ranks_.rank() + 1); ++shard) {
-    ShownShard shown = show(shard, errors ? sum_->fresh_errors() : set.error);
+    RenderedShard shown = show(shard, errors ? sum_->fresh_errors() : set.error);
     sum_->add(shard, shown.pass.buffers().projected.keys, set.grads, 1.0 / static_cast<double>(count_));
     parts.push_back(std::move(shown.part));
   }

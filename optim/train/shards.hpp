@@ -11,7 +11,7 @@
 
 #include "host/device/render/scene/pass.hpp"
 #include "host/device/render/train/shard_sum.hpp"
-#include "optim/ranks/ranks.hpp"
+#include "optim/train/ranks/ranks.hpp"
 #include "optim/train/trained_drop.hpp"
 #include "optim/train/trained_set.hpp"
 
@@ -31,7 +31,7 @@ struct ShardPart {
 };
 
 /// A frame that was rendered, whose gradients stand with its set.
-struct ShownShard {
+struct RenderedShard {
   Pass pass;
   ShardPart part;
 };
@@ -46,7 +46,7 @@ class Shards {
   [[nodiscard]] ShardSum* sum() { return sum_ ? &*sum_ : nullptr; }
 
   /// Renders a shard's frame, leaves its gradients with the set, and adds errors to `error`.
-  using Show = std::function<ShownShard(std::size_t shard, RealBuffer& error)>;
+  using Show = std::function<RenderedShard(std::size_t shard, RealBuffer& error)>;
   /// This rank's shards by `show`. The parts of all shards, in their order, which every rank has then, as
   /// grads() and keys(); with `errors` the set has theirs.
   [[nodiscard]] std::vector<ShardPart> run(TrainedSet& set, bool errors, const Show& show);

@@ -7,8 +7,8 @@
 #include "host/device/render/scene/renderer.hpp"
 #include "host/device/render/train/anchor.hpp"
 #include "host/device/render/train/densify.hpp"
-#include "optim/report/train_report.hpp"
-#include "optim/state/state.hpp"
+#include "optim/train/train_report.hpp"
+#include "optim/base/state.hpp"
 #include "optim/train/train_options.hpp"
 #include "optim/train/trained_set.hpp"
 

@@ -49,9 +49,9 @@ constexpr void visit_fields(DensifyOptions& o, F&& field) {
         o.most,
         at_least(1.0),
         "Most particles over those at the start. More: sharper pictures, slower.");
-  field.keyless(o.lidar);
-  field.keyless(o.growth);
-  field.keyless(o.noise);
+  field.internal(o.lidar);
+  field.internal(o.growth);
+  field.internal(o.noise);
   field.group("Memory");
   field("densify.cap", o.cap, at_least(0), "Most particles of both sets together. Lower it to save memory.");
 }
@@ -74,10 +74,10 @@ constexpr void visit_fields(PruneOptions& o, F&& field) {
         range(0.0, 1.0),
         "Weight that a LiDAR particle must have in some ray of a sweep to stay. More: fewer particles, "
         "faster; 0: all stay.");
-  field.keyless(o.first);
-  field.keyless(o.times);
-  field.keyless(o.last_share);
-  field.keyless(o.row_ranges);
+  field.internal(o.first);
+  field.internal(o.times);
+  field.internal(o.last_share);
+  field.internal(o.row_ranges);
 }
 
 }  // namespace simuli

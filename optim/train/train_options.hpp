@@ -5,8 +5,8 @@
 
 #include "host/core/base/allowed.hpp"
 #include "host/device/render/options/options.hpp"
-#include "optim/length/length_options.hpp"
-#include "optim/poses/pose_rates.hpp"
+#include "optim/train/length_options.hpp"
+#include "optim/actors/pose_rates.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/structure_options.hpp"
 
@@ -28,8 +28,8 @@ constexpr void visit_fields(LidarWeights& o, F&& field) {
         at_least(0.0),
         "Weight of errors of ray drop (cross entropy), beside 0.5 for each metre of distance. More: truer "
         "drops, less exact distances.");
-  field.keyless(o.distance);
-  field.keyless(o.intensity);
+  field.internal(o.distance);
+  field.internal(o.intensity);
 }
 
 /// How the LiDARs' drop functions are learned (METHOD section 7).
@@ -53,9 +53,9 @@ constexpr void visit_fields(ImageWeights& o, F&& field) {
         o.dissimilarity,
         at_least(0.0),
         "Weight of 1 - SSIM in a picture's loss. More: crisper structure, lower PSNR; 0: faster.");
-  field.keyless(o.absolute);
-  field.keyless(o.squared);
-  field.keyless(o.sky);
+  field.internal(o.absolute);
+  field.internal(o.squared);
+  field.internal(o.sky);
 }
 
 /// What learns a colour transform of its own.
@@ -66,7 +66,7 @@ enum class ColorGridsOf : int {
 };
 
 /// Environment and colour grids of the camera set.
-struct LookOptions {
+struct AppearanceOptions {
   /// Quarter size, none and kAuto: drive 0013 after 500 iterations 25.38 and 26.03 dB; when grids were slower, after
   /// 200 to 400, 0052 27.99 and 28.30, the street 30.41 and 30.44, PandaSet 28.92 and 29.77 (kPictures 29.15: six
   /// cameras show each too rarely).
@@ -76,16 +76,16 @@ struct LookOptions {
   double least_share = 0.8;
 };
 template <class F>
-constexpr void visit_fields(LookOptions& o, F&& field) {
+constexpr void visit_fields(AppearanceOptions& o, F&& field) {
   field.group("Camera set");
   field("color_grids",
         o.color_grids,
         one_of("auto", "pictures", "none"),
         "What learns colour transforms for exposure and white balance. auto: each picture of a single "
         "camera, each of several cameras; none: frames render a seventh faster.");
-  field.keyless(o.environment_rate);
-  field.keyless(o.grid_rate);
-  field("look.least_share",
+  field.internal(o.environment_rate);
+  field.internal(o.grid_rate);
+  field("appearance.least_share",
         o.least_share,
         at_least(0.0),
         "Share of a picture, over that of an average particle, below which a particle keeps its first colour, "
@@ -107,27 +107,27 @@ constexpr void visit_fields(DepthOptions& o, F&& field) {
         at_least(0.0),
         "Weight of the camera set's distance error in m along LiDAR rays. More: better views beside the "
         "path, lower PSNR on it; 0: off, faster.");
-  field.keyless(o.every);
+  field.internal(o.every);
 }
 
 /// The camera set from beside the path (METHOD section 10): pictures alone leave open what it looks like from
 /// where none was taken.
-struct BesideOptions {
+struct OffTrajectoryOptions {
   /// Iterations per picture. Weight 1 every 4: 27.04 dB for 27.13, 1 m beside the path.
   static constexpr int kEvery = 2;
   double weight = 0.5;
   double reach_m = 2.5;
 };
 template <class F>
-constexpr void visit_fields(BesideOptions& o, F&& field) {
+constexpr void visit_fields(OffTrajectoryOptions& o, F&& field) {
   field.group("Camera set");
   field(
-      "beside.weight",
+      "off_trajectory.weight",
       o.weight,
       at_least(0.0),
       "Weight of pictures from beside the path, made of the LiDARs' surfaces in the colours of the recorded "
       "pictures. More: better views beside the path; 0: off, faster.");
-  field("beside.reach_m",
+  field("off_trajectory.reach_m",
         o.reach_m,
         range(0.0, 10.0),
         "Distance in m to either side of the path from which these pictures are taken. As far as cameras "
@@ -150,7 +150,7 @@ constexpr void visit_fields(ShardOptions& o, F&& field) {
         range(1, 1024),
         "Pictures and sweeps of which each iteration takes the mean. As many devices or ranks can share a "
         "training.");
-  field.keyless(o.rate_power);
+  field.internal(o.rate_power);
 }
 
 struct TrainOptions {
@@ -160,7 +160,7 @@ struct TrainOptions {
   int lidar_every = 2;  // returns start where they belong, colours do not
   double max_seconds = 0.0;
   ImageWeights image;
-  LookOptions look;
+  AppearanceOptions appearance;
   LearningRates camera;
   /// Drops differ from sweep to sweep: fast rates learn them by heart. Scales half as fast: 2.50 cm for 2.14 and
   /// 0.728 drops found for 0.742 on drive 0052 after 250 iterations, 1.69 and 1.61 cm after 1000. Means twice as
@@ -177,7 +177,7 @@ struct TrainOptions {
                       .last_share = 1.0};
   LidarWeights weights;
   DepthOptions depth;
-  BesideOptions beside;
+  OffTrajectoryOptions off_trajectory;
   RayDropOptions ray_drop;
   AnchorOptions anchor;
   DensifyOptions densify;
@@ -213,13 +213,13 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
         "Iterations for each sweep of a LiDAR that is trained on; of several one sweep an iteration at most. 1: "
         "better LiDAR, slower; more: faster.");
   field.part("", o.image);
-  field.part("", o.look);
+  field.part("", o.appearance);
   field.part("", o.camera);
-  field.keyless(o.lidar);
+  field.internal(o.lidar);
   field.part("", o.weights);
   field.part("", o.depth);
-  field.part("", o.beside);
-  field.keyless(o.ray_drop);
+  field.part("", o.off_trajectory);
+  field.internal(o.ray_drop);
   field.part("", o.anchor);
   field.part("", o.densify);
   field.part("", o.prune);

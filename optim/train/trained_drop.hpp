@@ -7,8 +7,8 @@
 
 #include "host/core/scene/scene.hpp"
 #include "host/device/render/scene/renderer.hpp"
-#include "optim/poses/small_adam.hpp"
-#include "optim/state/state.hpp"
+#include "optim/actors/small_adam.hpp"
+#include "optim/base/state.hpp"
 #include "optim/train/training_options.hpp"
 
 namespace simuli {

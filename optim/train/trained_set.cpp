@@ -64,7 +64,7 @@ std::vector<Eigen::Index> TrainedSet::put_in_order() {
   return order;
 }
 
-void TrainedSet::hold_colours(const std::vector<Eigen::Index>& of) {
+void TrainedSet::freeze_colours(const std::vector<Eigen::Index>& of) {
   constexpr float kHeld = 1e30F;  // a second moment beside which a gradient is nothing, for 60 000 steps
   RealBuffer& moments = adam.second_moment();
   std::vector<float> rows = moments.download_float();

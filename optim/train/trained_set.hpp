@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "host/device/render/train/adam.hpp"
-#include "optim/poses/actor_poses.hpp"
-#include "optim/poses/actor_shapes.hpp"
-#include "optim/state/state.hpp"
+#include "optim/actors/actor_poses.hpp"
+#include "optim/actors/actor_shapes.hpp"
+#include "optim/base/state.hpp"
 
 namespace simuli {
 
@@ -22,7 +22,7 @@ struct TrainedSet {
   /// Puts them in coherent_order(), which it returns. Waits.
   std::vector<Eigen::Index> put_in_order();
   /// Adam leaves the colours of these particles as they are from now on. Waits.
-  void hold_colours(const std::vector<Eigen::Index>& of);
+  void freeze_colours(const std::vector<Eigen::Index>& of);
   /// What a checkpoint holds of it, but for the actors' poses and shapes.
   void add_state(StateList& list, const std::string& name);
   ParticleBuffers particles;

@@ -43,8 +43,8 @@ Trainer::Trainer(
     : ranks_(ranks),
       state_(device, log, std::move(scene), options),
       shards_(device, static_cast<std::size_t>(options.train.shards.count), ranks) {
-  for (const auto make : {picture_lesson, mended_lesson, beside_lesson, depth_lesson, sweep_lesson}) {
-    lessons_.push_back(make(state_));
+  for (const auto make : {picture_loss_term, repaired_loss_term, off_trajectory_loss_term, depth_loss_term, sweep_loss_term}) {
+    loss_terms_.push_back(make(state_));
   }
 }
 
@@ -55,8 +55,8 @@ void Trainer::step() {
   if (prunes) prune(s);
   s.structure.find_anchors(s.status.iteration, prunes);
   read_ahead();
-  for (const auto& lesson : lessons_) {
-    if (lesson->is_due()) lesson->step(shards_, progress);
+  for (const auto& loss_term : loss_terms_) {
+    if (loss_term->is_due()) loss_term->step(shards_, progress);
   }
   ++s.status.iteration;
   s.structure.densify(s.status.iteration);
@@ -65,11 +65,11 @@ void Trainer::step() {
   s.status.lidar_particles = s.lidar.particles.count;
 }
 
-void Trainer::mend(const std::function<void(const TrainStatus&)>& on_step) {
+void Trainer::repair(const std::function<void(const TrainStatus&)>& on_step) {
   const int iteration = state_.status.iteration;
-  if (!state_.mended.is_due(iteration, state_.options.iterations)) return;
+  if (!state_.repaired.is_due(iteration, state_.options.iterations)) return;
   try {
-    state_.mended.mend({scene(), state_.log.cameras, state_.log.lidars, state_.log.world_from_rig},
+    state_.repaired.repair({scene(), state_.log.cameras, state_.log.lidars, state_.log.world_from_rig},
                        iteration);
   } catch (...) {
     if (on_step) on_step(state_.status);
@@ -113,7 +113,7 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
       report.stopped_early = true;
       break;
     }
-    mend(on_step);
+    repair(on_step);
     step();
     if (status.iteration - report.first_iteration <= kStart) {
       // fmin and fmax leave what is not known out.
@@ -130,7 +130,7 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
   state_.structure.report(report);
   report.pruned = state_.pruned;
   report.row_ranges_m = largest_correction_m(state_.log, state_.truth);
-  report.rejected_gradients = state_.look.rejected();
+  report.rejected_gradients = state_.appearance.rejected();
   for (TrainedSet* const set : {&state_.camera, &state_.lidar}) {
     const Eigen::Index count = set->particles.count;
     (set == &state_.camera ? report.camera_particles : report.lidar_particles) = count;
@@ -150,7 +150,7 @@ Scene Trainer::scene() const {
   Scene out = state_.scene;
   out.camera = finite_ones(state_.camera.particles.download());
   out.lidar = finite_ones(state_.lidar.particles.download());
-  state_.look.store(out);
+  state_.appearance.store(out);
   state_.drop.store(out);
   return in_coherent_order(std::move(out));  // they have moved
 }

@@ -10,9 +10,9 @@
 
 #include "host/core/scene/scene.hpp"
 #include "io/log/log.hpp"
-#include "optim/ranks/ranks.hpp"
-#include "optim/report/train_report.hpp"
-#include "optim/train/lesson/lesson.hpp"
+#include "optim/train/ranks/ranks.hpp"
+#include "optim/train/train_report.hpp"
+#include "optim/train/loss_terms/loss_term.hpp"
 #include "optim/train/shards.hpp"
 #include "optim/train/trainer_state.hpp"
 #include "optim/train/training_options.hpp"
@@ -32,7 +32,7 @@ class Trainer {
           const TrainingOptions& options,
           Ranks& ranks = one_rank());
 
-  /// One iteration: a step of each lesson whose turn it is (lesson/lesson.hpp). Error{kInput} when a frame
+  /// One iteration: a step of each loss_term whose turn it is (loss_terms/loss_term.hpp). Error{kInput} when a frame
   /// can't be read. What is not a finite number moves nothing and is counted (TrainReport): training goes on.
   void step();
   /// All iterations that are left; `on_step` is called after each.
@@ -66,9 +66,9 @@ class Trainer {
   Trainer& operator=(const Trainer&) = delete;
 
  private:
-  /// Has pictures from beside the path mended, when it is time for that. Where it can't, `on_step` is called once
+  /// Has pictures from beside the path repaired, when it is time for that. Where it can't, `on_step` is called once
   /// more: whoever ended the program can store the state, which is that of before.
-  void mend(const std::function<void(const TrainStatus&)>& on_step);
+  void repair(const std::function<void(const TrainStatus&)>& on_step);
   /// What the next iterations take first is read meanwhile.
   void read_ahead();
   /// Sees what its end says, when a stage is done of a training that decides how long it goes on.
@@ -77,7 +77,7 @@ class Trainer {
   Ranks& ranks_;
   TrainerState state_;
   Shards shards_;
-  std::vector<std::unique_ptr<Lesson>> lessons_;  // in the order of their steps
+  std::vector<std::unique_ptr<LossTerm>> loss_terms_;  // in the order of their steps
 };
 
 }  // namespace simuli

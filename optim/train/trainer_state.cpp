@@ -14,7 +14,7 @@
 #include "io/base/state_file.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/init/initialize_sets.hpp"
-#include "optim/state/packed.hpp"
+#include "optim/base/packed.hpp"
 #include "optim/train/memory.hpp"
 
 namespace simuli {
@@ -158,12 +158,12 @@ TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, con
       truth(on, of_log, training, renderer.options()),
       camera(on, scene.camera, options.actor_poses, options.learn_shapes),
       lidar(on, scene.lidar, options.actor_poses, options.learn_shapes),
-      look(on, of_log, scene, training),
+      appearance(on, of_log, scene, training),
       drop(of_log, scene, training),
       images(HeldOutRule(of_log, training.frames).training(of_log.images), seed, kImageStream),
       sweeps(HeldOutRule(of_log, training.frames).training(of_log.sweeps), seed, kSweepStream),
       structure(on, options, epoch_of(options, images.size(), sweeps.size()), seed, camera, lidar),
-      mended(on, of_log, training.frames, training.fixer, training.fixer_command, options.render),
+      repaired(on, of_log, training.frames, training.fixer, training.fixer_command, options.render),
       length(options.length,
              epoch_of(options, images.size(), sweeps.size()),
              of_log.images.size(),
@@ -174,7 +174,7 @@ TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, con
   scene.camera_filter_px2 = renderer.options().camera_filter_px2;
   // What no picture shows has the colour of what is alike nearby. Where it shows between the edges of what hides it
   // pictures would teach it the colours of those, and of nothing else what it looks like from beside.
-  camera.hold_colours(unseen_walls(scene.camera));
+  camera.freeze_colours(unseen_walls(scene.camera));
   if (options.learn_shapes) prepare_shapes(scene.actors);
   if (options.length.automatic) options.iterations = length.first();
   status.planned = options.iterations;
@@ -223,10 +223,10 @@ StateList TrainerState::list(const std::string& settings) {
         [this, set] { return set->shapes.numbers(scene.actors); },
         [this, set](std::span<const double> numbers) { set->shapes.set_numbers(scene.actors, numbers); });
   }
-  look.add_state(states);
+  appearance.add_state(states);
   drop.add_state(states);
   add_range_biases(states, log, truth);
-  mended.add_state(states);
+  repaired.add_state(states);
   return states;
 }
 

@@ -6,14 +6,14 @@
 #include "host/core/scene/scene.hpp"
 #include "host/device/render/scene/renderer.hpp"
 #include "io/log/log.hpp"
-#include "optim/fixer/fixed_views.hpp"
-#include "optim/length/length.hpp"
-#include "optim/report/train_report.hpp"
-#include "optim/state/state.hpp"
+#include "optim/complete/fixed_views.hpp"
+#include "optim/train/length.hpp"
+#include "optim/train/train_report.hpp"
+#include "optim/base/state.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/structure.hpp"
 #include "optim/train/trained_drop.hpp"
-#include "optim/train/trained_look.hpp"
+#include "optim/train/trained_appearance.hpp"
 #include "optim/train/trained_set.hpp"
 #include "optim/train/training_options.hpp"
 #include "optim/train/truth.hpp"
@@ -56,11 +56,11 @@ struct TrainerState {
   Renderer renderer;
   TruthCache truth;
   TrainedSet camera, lidar;
-  TrainedLook look;
+  TrainedAppearance appearance;
   TrainedDrop drop;
   FrameOrder images, sweeps;
   Structure structure;
-  FixedViews mended;
+  FixedViews repaired;
   TrainLength length;
   RunningMean square, distance, right;
   TrainStatus status;

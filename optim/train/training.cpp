@@ -10,13 +10,13 @@
 #include "host/core/base/fields.hpp"
 #include "host/core/base/version.hpp"
 #include "io/log/frame_files.hpp"
-#include "io/log/mended_labels.hpp"
-#include "optim/path/refined_path.hpp"
-#include "optim/stretch/stretch_parts.hpp"
-#include "optim/support/record_support.hpp"
-#include "optim/train/course.hpp"
+#include "io/log/sanitized_labels.hpp"
+#include "optim/data/refined_path.hpp"
+#include "optim/train/chunk/chunk_parts.hpp"
+#include "optim/complete/record_support.hpp"
+#include "optim/train/training_run.hpp"
 #include "optim/train/memory.hpp"
-#include "optim/train/stretch_plan.hpp"
+#include "optim/train/chunk_plan.hpp"
 
 namespace simuli {
 
@@ -28,11 +28,11 @@ static void pack(Packed& p, RefinedLog& v) { p(v.log, v.report); }
 
 struct Training::State {
   TrainingDrive drive;
-  std::unique_ptr<TrainingCourse> course;  // from prepare() on
+  std::unique_ptr<TrainingRun> training_run;  // from prepare() on
 
-  void choose_course(const Progress& progress);
-  [[nodiscard]] TrainingCourse& started() const {
-    if (course && course->is_started()) return *course;
+  void choose_run(const Progress& progress);
+  [[nodiscard]] TrainingRun& started() const {
+    if (training_run && training_run->is_started()) return *training_run;
     throw Error(ErrorKind::kInternal, "training: found no start, allowed prepare() first");
   }
   [[nodiscard]] std::vector<RankField> rank_fields() const;
@@ -78,10 +78,10 @@ std::vector<RankField> Training::State::rank_fields() const {
 }
 
 /// Refines the drive's path, and sees whether the drive is to be cut.
-void Training::State::choose_course(const Progress& progress) {
-  if (course) return;
+void Training::State::choose_run(const Progress& progress) {
+  if (training_run) return;
   need_same(drive.ranks, rank_fields());
-  drive.report.labels = mend_labels(drive.log);
+  drive.report.labels = sanitize_labels(drive.log);
   if (drive.options.refine_path) {
     RefinedLog refined =
         drive.cache.get(drive.report.start, "refine path", drive.log, RefinedLog{drive.log, {}}, [&] {
@@ -90,18 +90,18 @@ void Training::State::choose_course(const Progress& progress) {
     drive.log = std::move(refined.log);
     drive.report.path = std::move(refined.report);
   }
-  StretchOptions options = drive.options.stretches;
-  const bool plans = plans_stretches(drive.options);
+  ChunkOptions options = drive.options.chunks;
+  const bool plans = plans_chunks(drive.options);
   if (options.length_m > 0.0 || plans) {
     auto path = std::make_unique<DrivenPath>(drive.log);
     if (plans) {
-      drive.report.stretches = plan_stretches(drive.device, drive.log, drive.options, *path);
-      if (drive.report.stretches.count > 1) options.length_m = drive.report.stretches.length_m;
+      drive.report.chunks = plan_chunks(drive.device, drive.log, drive.options, *path);
+      if (drive.report.chunks.count > 1) options.length_m = drive.report.chunks.length_m;
     }
-    std::vector<Stretch> stretches = cut(*path, options);
-    if (stretches.size() > 1) course = course_by_stretches(drive, std::move(path), std::move(stretches));
+    std::vector<DriveChunk> chunks = cut(*path, options);
+    if (chunks.size() > 1) training_run = chunked_run(drive, std::move(path), std::move(chunks));
   }
-  if (course) return;
+  if (training_run) return;
   const TrainingOptions& o = drive.options;
   const auto tell = [&progress](const char* stage, std::size_t done) {
     if (progress) progress(stage, done, 1);
@@ -112,20 +112,20 @@ void Training::State::choose_course(const Progress& progress) {
   }
   tell("find what moves", 0);
   drive.find_moving(drive.log, o.frames);
-  course = std::make_unique<CourseInOnePiece>(drive, drive.log, o, drive.identity());
+  training_run = std::make_unique<SingleRun>(drive, drive.log, o, drive.identity());
 }
 
 void Training::prepare(const Progress& progress) {
-  if (state_->course) return;
-  state_->choose_course(progress);
-  state_->course->start(progress);
+  if (state_->training_run) return;
+  state_->choose_run(progress);
+  state_->training_run->start(progress);
 }
 
 void Training::resume(const std::filesystem::path& checkpoint, const Progress& progress) {
-  const std::string tail = stretch_lines(checkpoint);
+  const std::string tail = chunk_lines(checkpoint);
   Trainer::need_settings(checkpoint, state_->drive.identity() + tail, state_->drive.options.train);
-  state_->choose_course(progress);
-  state_->course->resume(checkpoint, tail, progress);
+  state_->choose_run(progress);
+  state_->training_run->resume(checkpoint, tail, progress);
 }
 
 void Training::save(const std::filesystem::path& checkpoint) { state_->started().save(checkpoint); }
@@ -159,14 +159,14 @@ SceneFile Training::State::completed(SceneFile file) const {
                                  .frames = o.frames,
                                  .sensors = sensor_uses(drive.log, HeldOutRule(drive.log, o.frames)),
                                  .labels_left_out = drive.report.left_out,
-                                 .iterations = course->status().iteration,
-                                 .planned_iterations = course->status().planned,
+                                 .iterations = training_run->status().iteration,
+                                 .planned_iterations = training_run->status().planned,
                                  .quality = quality_of(o.train.render),
                                  .settings = lines_of(o),
                                  .version = version(),
                                  .device = drive.device.info().label(),
                                  .driver = drive.device.info().driver_version};
-  if (!course->is_filled()) fill(drive.device, drive.log, o, file);
+  if (!training_run->is_filled()) fill(drive.device, drive.log, o, file);
   if_there_is_room(
       [&] { file.support = record_support(drive.device, drive.log, file, o.frames, o.train.render); });
   return file;

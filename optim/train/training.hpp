@@ -13,21 +13,21 @@
 #include "io/scene/scene_folder.hpp"
 #include "optim/actors/finding_options.hpp"
 #include "optim/init/init_options.hpp"
-#include "optim/path/path_report.hpp"
-#include "optim/ranks/ranks.hpp"
-#include "optim/report/train_report.hpp"
-#include "optim/train/start_report.hpp"
+#include "optim/data/path_report.hpp"
+#include "optim/train/ranks/ranks.hpp"
+#include "optim/train/train_report.hpp"
+#include "optim/train/initialization_report.hpp"
 #include "optim/train/training_options.hpp"
 
 namespace simuli {
 
 /// How a training went: its start, and what followed.
 struct TrainingReport {
-  StartReport start;
-  StretchPlan stretches;
+  InitializationReport start;
+  ChunkPlan chunks;
   PathReport path;
   FindReport found;                   // zeros: not searched
-  std::vector<std::string> labels;    // a line for each that was mended (mended_labels.hpp): warnings, too
+  std::vector<std::string> labels;    // a line for each that was mended (sanitized_labels.hpp): warnings, too
   std::vector<std::string> left_out;  // names of labels that were
   InitReport init;
   TrainReport train;
@@ -58,7 +58,7 @@ class Training {
   Training(const Training&) = delete;
   Training& operator=(const Training&) = delete;
 
-  /// Mends labels (mended_labels.hpp), refines the path (refined_path.hpp), learns what sweeps say of their
+  /// Mends labels (sanitized_labels.hpp), refines the path (refined_path.hpp), learns what sweeps say of their
   /// LiDARs, finds what moves and has no label (find_actors.hpp, complete_actors.hpp), and places the first
   /// particles, unless that is done.
   /// Error{kInput} when no frame is left to train on or a file can't be read, Error{kDevice} when the device
@@ -79,11 +79,11 @@ class Training {
   const TrainingReport& run(const Observer& on_step = {}, const Checkpoints& checkpoints = {});
 
   // What there is from prepare() on.
-  /// Of all stretches together, where the drive is cut into some; particles are those of the current one.
+  /// Of all chunks together, where the drive is cut into some; particles are those of the current one.
   [[nodiscard]] const TrainStatus& status() const;
   [[nodiscard]] const TrainingReport& report() const;
   [[nodiscard]] const TrainingOptions& options() const;
-  /// The particles as trained so far; of a drive that is cut into stretches those of the current one, and of
+  /// The particles as trained so far; of a drive that is cut into chunks those of the current one, and of
   /// all in the end. Error{kInternal} before prepare().
   [[nodiscard]] Scene scene() const;
   /// The same with sensors and trajectory, mounted as was learned, how it was made, and what tells how well

@@ -5,9 +5,9 @@
 
 #include "io/log/frame_selection.hpp"
 #include "optim/actors/finding_options.hpp"
-#include "optim/fixer/fixer_options.hpp"
+#include "optim/complete/fixer_options.hpp"
 #include "optim/init/init_options.hpp"
-#include "optim/stretch/stretch_options.hpp"
+#include "optim/train/chunk/chunk_options.hpp"
 #include "optim/train/train_options.hpp"
 
 namespace simuli {
@@ -17,13 +17,13 @@ struct TrainingOptions {
   bool refine_path = true;    // see with_refined_path()
   bool learn_sensors = true;  // see with_learned_sensors()
   bool find_actors = true;
-  bool fill_behind_actors = true;
+  bool inpaint_behind_actors = true;
   ActorFinding actors = {};
   InitOptions init = {};
   TrainOptions train = {};
   FixerOptions fixer = {};
-  StretchOptions stretches = {};
-  bool keep_start = true;          // for the next training, and from the one before (start_cache.hpp)
+  ChunkOptions chunks = {};
+  bool cache_initialization = true;          // for the next training, and from the one before (initialization_cache.hpp)
   std::string fixer_command = {};  // that mends pictures from beside the path (docs/FIXERS.md); empty: none
 };
 
@@ -47,15 +47,15 @@ constexpr void visit_fields(TrainingOptions& o, F&& field) {
       "actors.find",
       o.find_actors,
       "Find in the sweeps what moves and has no label, and where labels go on. false: labels are complete.");
-  field.keyless(o.actors);
-  field("actors.fill",
-        o.fill_behind_actors,
+  field.internal(o.actors);
+  field("actors.inpaint",
+        o.inpaint_behind_actors,
         "Fill surfaces that only actors ever hid, so that actors can be moved or removed. false: shorter end "
         "of the training, holes there.");
   field.part("", o.fixer);
-  field.part("", o.stretches);
-  field.keyless(o.keep_start);
-  field.keyless(o.fixer_command);
+  field.part("", o.chunks);
+  field.internal(o.cache_initialization);
+  field.internal(o.fixer_command);
 }
 
 /// The options themselves. Error{kUsage} naming the field when one is outside its range.

@@ -176,8 +176,8 @@ TEST_P(Adam, DenseStepsMoveTheirPartAlone) {
 INSTANTIATE_TEST_SUITE_P(All,
                          Adam,
                          testing::Values(Precision::kFloat, Precision::kDouble),
-                         [](const auto& instance) {
-                           return instance.param == Precision::kFloat ? "in_float" : "in_double";
+                         [](const auto& pair) {
+                           return pair.param == Precision::kFloat ? "in_float" : "in_double";
                          });
 
 }  // namespace

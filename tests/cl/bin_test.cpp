@@ -23,36 +23,36 @@ using test::SceneCase;
 
 constexpr std::uint32_t kCulled = 0xffffffffU;
 
-/// One instance as the payload has it.
-struct Instance {
-  std::uint32_t particle = 0, first_slot_row = 0, last_slot_row = 0;
+/// One pair as the payload has it.
+struct TilePair {
+  std::uint32_t particle = 0, first_ray_block = 0, last_ray_block = 0;
 };
-Instance unpacked(std::uint32_t payload) {
+TilePair unpacked(std::uint32_t payload) {
   return {
       payload & SIM_PARTICLE_MASK, payload >> SIM_PARTICLE_BITS & 15U, payload >> (SIM_PARTICLE_BITS + 4)};
 }
 
 /// Tile lists by (tile, particle), after the checks that hold for any frame: `first` is monotone and
 /// complete, no pair stands twice, every tile is ordered by range, ties by index.
-std::map<std::pair<std::uint32_t, std::uint32_t>, Instance> checked_lists(const shared::FrameParams& frame,
+std::map<std::pair<std::uint32_t, std::uint32_t>, TilePair> checked_lists(const shared::FrameParams& frame,
                                                                           const FrameBuffers& buffers) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Instance> lists;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, TilePair> lists;
   const std::uint32_t tiles = frame.tiles_x * frame.tiles_y;
   const std::vector<std::uint32_t> first = buffers.binned.first.download();
   const std::vector<std::uint32_t> payload = buffers.binned.payload.download();
   const std::vector<std::uint32_t> keys = buffers.projected.keys.download();
   EXPECT_EQ(first.size(), tiles + 1);
   EXPECT_EQ(first.front(), 0U);
-  EXPECT_EQ(first.back(), buffers.binned.instances);
+  EXPECT_EQ(first.back(), buffers.binned.pairs);
   EXPECT_TRUE(std::is_sorted(first.begin(), first.end()));
   for (std::uint32_t tile = 0; tile < tiles; ++tile) {
     std::pair<std::uint32_t, std::uint32_t> before{0, 0};
     for (std::uint32_t i = first[tile]; i < first[tile + 1]; ++i) {
-      const Instance instance = unpacked(payload[i]);
-      const std::pair<std::uint32_t, std::uint32_t> place{keys[instance.particle], instance.particle};
+      const TilePair pair = unpacked(payload[i]);
+      const std::pair<std::uint32_t, std::uint32_t> place{keys[pair.particle], pair.particle};
       EXPECT_TRUE(i == first[tile] || before < place) << "tile " << tile;
       before = place;
-      EXPECT_TRUE(lists.emplace(std::pair(tile, instance.particle), instance).second) << "tile " << tile;
+      EXPECT_TRUE(lists.emplace(std::pair(tile, pair.particle), pair).second) << "tile " << tile;
     }
   }
   const auto visible = std::count_if(keys.begin(), keys.end(), [](std::uint32_t k) { return k != kCulled; });
@@ -176,20 +176,20 @@ TEST_P(Bin, ListsAreThoseOfTheRectangles) {
             ASSERT_NE(found, lists.end());
             const std::uint32_t row = std::max(row_first, top) - top, last = std::min(row_last, bottom) - top;
             if (frame.row_slots > 0) {
-              EXPECT_EQ(found->second.first_slot_row, row * frame.row_slots);
-              EXPECT_EQ(found->second.last_slot_row, (last + 1) * frame.row_slots - 1);
+              EXPECT_EQ(found->second.first_ray_block, row * frame.row_slots);
+              EXPECT_EQ(found->second.last_ray_block, (last + 1) * frame.row_slots - 1);
             } else {  // two corners in blocks of 4 x 4 of the tile's 4 x 4
               const std::uint32_t left = std::max(SIM_FIRST_BLOCK(part), tx * 4) - tx * 4;
               const std::uint32_t right = std::min(SIM_LAST_BLOCK(part), tx * 4 + 3) - tx * 4;
-              EXPECT_EQ(found->second.first_slot_row, row / 4 * 4 + left);
-              EXPECT_EQ(found->second.last_slot_row, last / 4 * 4 + right);
+              EXPECT_EQ(found->second.first_ray_block, row / 4 * 4 + left);
+              EXPECT_EQ(found->second.last_ray_block, last / 4 * 4 + right);
             }
             ++own;
           }
         }
         expected += own;
       }
-      EXPECT_EQ(buffers.binned.instances, expected);
+      EXPECT_EQ(buffers.binned.pairs, expected);
       EXPECT_EQ(lists.size(), expected);
     }
   }
@@ -217,7 +217,7 @@ TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
   buffers.projected.keys.assign(std::vector<std::uint32_t>(9, 5));
   buffers.projected.live.assign(std::vector<std::uint32_t>(1, 1));
   bin.run(frame, all, rays, buffers.projected, 72, buffers.binned);
-  EXPECT_EQ(buffers.binned.instances, 72U);
+  EXPECT_EQ(buffers.binned.pairs, 72U);
   try {
     bin.run(frame, all, rays, buffers.projected, 71, buffers.binned);
     FAIL() << "72 instances were taken where 71 are allowed";
@@ -231,8 +231,8 @@ TEST_P(Bin, FramesThatNeedTooMuchAreRefused) {
 INSTANTIATE_TEST_SUITE_P(WorkItems,
                          Bin,
                          testing::Values(std::size_t{1}, std::size_t{64}),
-                         [](const auto& instance) {
-                           return std::string(instance.param == 1 ? "cpu" : "gpu");
+                         [](const auto& pair) {
+                           return std::string(pair.param == 1 ? "cpu" : "gpu");
                          });
 
 /// What the particle takes of the ray's light, boxes apart; nothing from behind the ray's origin.
@@ -284,13 +284,13 @@ TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
       ++needed;
       const auto found = lists.find({slot / rays.grid().frame.tile_rays, particle});
       ASSERT_NE(found, lists.end()) << "ray " << ray_of_slot[slot] << " particle " << particle;
-      const std::uint32_t slot_row = slot % rays.grid().frame.tile_rays / SIM_SLOT_ROW;
-      const std::uint32_t first = found->second.first_slot_row, last = found->second.last_slot_row;
+      const std::uint32_t ray_block = slot % rays.grid().frame.tile_rays / SIM_RAY_BLOCK;
+      const std::uint32_t first = found->second.first_ray_block, last = found->second.last_ray_block;
       const auto within = [&](std::uint32_t share) {  // blocks: of their rows, and of their columns
-        return first / share <= slot_row / share && slot_row / share <= last / share;
+        return first / share <= ray_block / share && ray_block / share <= last / share;
       };
       ASSERT_TRUE(within(camera ? 4 : 1)) << "ray " << ray_of_slot[slot] << " particle " << particle;
-      ASSERT_TRUE(!camera || (first % 4 <= slot_row % 4 && slot_row % 4 <= last % 4))
+      ASSERT_TRUE(!camera || (first % 4 <= ray_block % 4 && ray_block % 4 <= last % 4))
           << "ray " << ray_of_slot[slot] << " particle " << particle;
       at_seam_low += ray.x < 0.1 ? 1U : 0U;
       at_seam_high += ray.x > 2.0 * std::numbers::pi - 0.1 ? 1U : 0U;
@@ -306,7 +306,7 @@ TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
 INSTANTIATE_TEST_SUITE_P(All,
                          BinOfScenes,
                          testing::Values(test::kCameraRolling, test::kLidarStill, test::kLidarMoving),
-                         [](const auto& instance) { return std::string(instance.param.name); });
+                         [](const auto& pair) { return std::string(pair.param.name); });
 
 TEST(BinOfRings, HoldTheRowsOfTheWholeSweep) {
   // Half-way the sensor is above the particle, a ring far below the lowest beam; at the start, where it

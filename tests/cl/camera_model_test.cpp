@@ -326,7 +326,7 @@ TEST(CameraModel, AParticleAtThePanoramasSeamIsInFewTiles) {
   const SensorRays rays = picture.shot.on(device, renderer.options());
   Pass pass = renderer.render(particles, rays, picture.shot.view);
   // One tile row, two of its seven tiles.
-  EXPECT_EQ(pass.buffers().binned.instances, 2U);
+  EXPECT_EQ(pass.buffers().binned.pairs, 2U);
   const RayResults results = pass.results();
   EXPECT_LT(results.transmittance[25 * 100], 0.99F);
   EXPECT_LT(results.transmittance[25 * 100 + 99], 0.99F);

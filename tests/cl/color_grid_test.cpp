@@ -213,8 +213,8 @@ INSTANTIATE_TEST_SUITE_P(All, ColorGridInDouble, testing::Values(Precision::kDou
 INSTANTIATE_TEST_SUITE_P(All,
                          ColorGrid,
                          testing::Values(Precision::kFloat, Precision::kDouble),
-                         [](const auto& instance) {
-                           return instance.param == Precision::kFloat ? "in_float" : "in_double";
+                         [](const auto& pair) {
+                           return pair.param == Precision::kFloat ? "in_float" : "in_double";
                          });
 
 }  // namespace

@@ -75,8 +75,8 @@ TEST_P(BlendedError, IsTheGradientOfAFeatureSeenWithThoseErrors) {
 INSTANTIATE_TEST_SUITE_P(Shapes,
                          BlendedError,
                          testing::Values(test::kDefaultShape, test::kGpuShape),
-                         [](const auto& instance) {
-                           return std::string(instance.param.lanes == 0 ? "device" : "gpu");
+                         [](const auto& pair) {
+                           return std::string(pair.param.lanes == 0 ? "device" : "gpu");
                          });
 
 TEST(BeamError, WeighsDistanceIntensityAndDropAsTheLossDoes) {

@@ -241,8 +241,8 @@ INSTANTIATE_TEST_SUITE_P(All, EnvironmentInDouble, testing::Values(Precision::kD
 INSTANTIATE_TEST_SUITE_P(All,
                          Environment,
                          testing::Values(Precision::kFloat, Precision::kDouble),
-                         [](const auto& instance) {
-                           return instance.param == Precision::kFloat ? "in_float" : "in_double";
+                         [](const auto& pair) {
+                           return pair.param == Precision::kFloat ? "in_float" : "in_double";
                          });
 
 }  // namespace environment_test

@@ -32,8 +32,8 @@ void expect_sound(const LidarTiles& tiling,
     ASSERT_FALSE(taken[slot]) << "ray " << ray;
     taken[slot] = true;
     const std::uint32_t tile = slot / SIM_TILE_RAYS;
-    const std::uint32_t slot_row = slot % SIM_TILE_RAYS / SIM_SLOT_ROW;
-    ASSERT_EQ(tiling.tile_rows[tile / tiling.columns] + slot_row / tiling.row_slots, row_of_ray[ray]);
+    const std::uint32_t ray_block = slot % SIM_TILE_RAYS / SIM_RAY_BLOCK;
+    ASSERT_EQ(tiling.tile_rows[tile / tiling.columns] + ray_block / tiling.row_slots, row_of_ray[ray]);
     const double place = static_cast<double>(x[ray]);
     ASSERT_GE(place, tiling.column_begin(tile % tiling.columns) - kFloat_rad) << "ray " << ray;
     ASSERT_LE(place, tiling.column_begin(tile % tiling.columns + 1) + kFloat_rad) << "ray " << ray;
@@ -41,7 +41,7 @@ void expect_sound(const LidarTiles& tiling,
   for (std::size_t ty = 0; ty + 1 < tiling.tile_rows.size(); ++ty) {
     const std::uint32_t rows = tiling.tile_rows[ty + 1] - tiling.tile_rows[ty];
     ASSERT_GE(rows, 1U);
-    ASSERT_LE(rows * tiling.row_slots * SIM_SLOT_ROW, SIM_TILE_RAYS);
+    ASSERT_LE(rows * tiling.row_slots * SIM_RAY_BLOCK, SIM_TILE_RAYS);
     for (std::uint32_t row = tiling.tile_rows[ty]; row < tiling.tile_rows[ty + 1]; ++row)
       ASSERT_EQ(tiling.tile_row_of_row[row], ty);
   }
@@ -149,16 +149,16 @@ TEST(LidarTiling, ListsAreTiledAlongBothAxes) {
   }
 }
 
-/// Whether particle p is in the list of `tile`, with a slot row range that holds `slot_row`.
+/// Whether particle p is in the list of `tile`, with a slot row range that holds `ray_block`.
 class Lists {
  public:
   explicit Lists(const Pass& pass)
       : first_(pass.buffers().binned.first.download()), payload_(pass.buffers().binned.payload.download()) {}
-  [[nodiscard]] bool hold(std::uint32_t tile, std::uint32_t particle, std::uint32_t slot_row) const {
+  [[nodiscard]] bool hold(std::uint32_t tile, std::uint32_t particle, std::uint32_t ray_block) const {
     for (std::uint32_t i = first_[tile]; i < first_[tile + 1]; ++i) {
       if ((payload_[i] & SIM_PARTICLE_MASK) != particle) continue;
-      return (payload_[i] >> SIM_PARTICLE_BITS & 15U) <= slot_row &&
-             payload_[i] >> (SIM_PARTICLE_BITS + 4) >= slot_row;
+      return (payload_[i] >> SIM_PARTICLE_BITS & 15U) <= ray_block &&
+             payload_[i] >> (SIM_PARTICLE_BITS + 4) >= ray_block;
     }
     return false;
   }
@@ -204,7 +204,7 @@ TEST(LidarTiling, ParticlesOnRaysAreInTheirTiles) {
     for (std::uint32_t i = 0; i < chosen.size(); ++i) {
       const std::uint32_t slot = slot_of_ray[chosen[i]];
       missed +=
-          lists.hold(slot / grid.frame.tile_rays, i, slot % grid.frame.tile_rays / SIM_SLOT_ROW) ? 0U : 1U;
+          lists.hold(slot / grid.frame.tile_rays, i, slot % grid.frame.tile_rays / SIM_RAY_BLOCK) ? 0U : 1U;
     }
     EXPECT_EQ(missed, 0U) << name << ", of " << chosen.size();
     EXPECT_GE(chosen.size(), 64U) << name;

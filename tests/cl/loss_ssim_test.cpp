@@ -194,10 +194,10 @@ INSTANTIATE_TEST_SUITE_P(All,
                          testing::Values(std::pair{Precision::kFloat, 0},
                                          std::pair{Precision::kFloat, 1},
                                          std::pair{Precision::kDouble, 0}),
-                         [](const auto& instance) {
-                           return std::string(instance.param.first == Precision::kFloat ? "in_float"
+                         [](const auto& pair) {
+                           return std::string(pair.param.first == Precision::kFloat ? "in_float"
                                                                                         : "in_double") +
-                                  (instance.param.second == 1 ? "_gpu_shape" : "");
+                                  (pair.param.second == 1 ? "_gpu_shape" : "");
                          });
 
 }  // namespace loss_ssim_test

@@ -274,9 +274,9 @@ INSTANTIATE_TEST_SUITE_P(All,
                                          std::pair{Precision::kDouble, std::size_t{1}},
                                          std::pair{Precision::kFloat, std::size_t{32}},
                                          std::pair{Precision::kDouble, std::size_t{32}}),
-                         [](const auto& instance) {
-                           return std::string(instance.param.second == 1 ? "cpu" : "gpu") +
-                                  (instance.param.first == Precision::kFloat ? "_in_float" : "_in_double");
+                         [](const auto& pair) {
+                           return std::string(pair.param.second == 1 ? "cpu" : "gpu") +
+                                  (pair.param.first == Precision::kFloat ? "_in_float" : "_in_double");
                          });
 
 }  // namespace

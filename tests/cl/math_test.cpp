@@ -120,8 +120,8 @@ TEST_P(Elementary, WrappedAnglesAreExactWithinOneTurn) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Lanes, Elementary, testing::Values(1, 16), [](const auto& instance) {
-  return std::string(instance.param == 1 ? "scalar" : "vector16");
+INSTANTIATE_TEST_SUITE_P(Lanes, Elementary, testing::Values(1, 16), [](const auto& pair) {
+  return std::string(pair.param == 1 ? "scalar" : "vector16");
 });
 
 TEST(DeviceMath, SumsOfSixteenVectorsAreThoseOfEach) {

@@ -150,7 +150,7 @@ TEST_P(ProjectionOption, AStraightMapIsExact) {
 INSTANTIATE_TEST_SUITE_P(All,
                          ProjectionOption,
                          testing::Values(test::kCameraStill, test::kLidarStill),
-                         [](const auto& instance) { return std::string(instance.param.name); });
+                         [](const auto& pair) { return std::string(pair.param.name); });
 
 }  // namespace
 }  // namespace simuli

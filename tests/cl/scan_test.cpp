@@ -84,8 +84,8 @@ TEST_P(Scan, TakesWhatIsTold) {
 INSTANTIATE_TEST_SUITE_P(WorkItems,
                          Scan,
                          testing::Values(std::size_t{1}, std::size_t{64}),
-                         [](const auto& instance) {
-                           return std::string(instance.param == 1 ? "cpu" : "gpu");
+                         [](const auto& pair) {
+                           return std::string(pair.param == 1 ? "cpu" : "gpu");
                          });
 
 }  // namespace

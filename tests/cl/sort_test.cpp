@@ -78,8 +78,8 @@ std::vector<SortCase> cases() {
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(WorkItems, Sort, testing::ValuesIn(cases()), [](const auto& instance) {
-  return std::string(instance.param.work_items == 1 ? "cpu_" : "gpu_") + std::to_string(instance.param.bits) +
+INSTANTIATE_TEST_SUITE_P(WorkItems, Sort, testing::ValuesIn(cases()), [](const auto& pair) {
+  return std::string(pair.param.work_items == 1 ? "cpu_" : "gpu_") + std::to_string(pair.param.bits) +
          "_bits";
 });
 

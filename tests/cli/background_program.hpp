@@ -55,7 +55,7 @@ class BackgroundProgram {
   }
   /// The number behind `mark` in the output, once a character that is no digit stands behind it; -1 when that
   /// does not come in time.
-  [[nodiscard]] int number_behind(const std::string& mark) const {
+  [[nodiscard]] int disoccluded_number(const std::string& mark) const {
     for (int tries = 0; tries < 600; ++tries) {
       const std::string text = output();
       const std::size_t at = text.find(mark);

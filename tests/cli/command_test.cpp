@@ -45,7 +45,7 @@ class CommandTest : public testing::Test {
     sub.option("--stamp", values_.many, "without a range");
     sub.option("--length", values_.length_m, "m").positive().with_default();
     sub.option("--names", values_.names, "of all").answers("help", [this] { ++answers_; });
-    sub.option("--parts", values_.parts, "of it").parted_by_commas();
+    sub.option("--parts", values_.parts, "of it").comma_separated();
     sub.option(
         "--level", [this](const std::string& text) { values_.levels.push_back(text); }, "of care");
     sub.flag("--flag", values_.flag, "says yes");

@@ -123,7 +123,7 @@ class List {
       return;
     for (const char* path : {"kernels/project_bwd.cl", "kernels/largest_weight.cl"})
       add(frame.name, path, options);
-    if (variant.frame.sensor == SensorType::kCamera) add(frame.name, "kernels/beside.cl", options);
+    if (variant.frame.sensor == SensorType::kCamera) add(frame.name, "kernels/off_trajectory.cl", options);
     if (!in_order) add(frame.name, "kernels/replay_window.cl", options);
     if (variant.options.order == Order::kPerRay) add(frame.name, "kernels/replay_per_ray.cl", options);
     for (const bool errors : {false, true}) {

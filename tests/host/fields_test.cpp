@@ -45,7 +45,7 @@ constexpr void visit_fields(Options& o, F&& field) {
   field("cap", o.cap, at_least(0), "particles");
   field("width", o.width, zero_or(even(range(8, 7200))), "texels");
   field("looks", o.looks, range(0, 64), "of each point");
-  field.keyless(o.internal);
+  field.internal(o.internal);
 }
 
 /// A member more than its visitor tells of.
@@ -61,8 +61,8 @@ constexpr void visit_fields(Forgetful& o, F&& field) {
 }
 
 // Fields::part() refuses to compile where this is false.
-static_assert(kTellsAll<Rates> && kTellsAll<Options>);
-static_assert(!kTellsAll<Forgetful>);
+static_assert(kVisitsAllMembers<Rates> && kVisitsAllMembers<Options>);
+static_assert(!kVisitsAllMembers<Forgetful>);
 
 void expect_refused(const std::vector<std::string>& settings, const std::string& message) {
   Options options;
@@ -153,6 +153,27 @@ TEST(Fields, HelpHasGroupsWithTheMeaningBelowEachKey) {
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 96U) << line;
   EXPECT_EQ(fields_of(options).find("lidar.rate.opacity")->group, "");
   EXPECT_EQ(fields_of(options).find("looks")->group, "Blending");
+}
+
+struct Renamed {
+  double weight = 0.5, reach_m = 2.5;
+};
+template <class F>
+constexpr void visit_fields(Renamed& o, F&& field) {
+  field("off_trajectory.weight", o.weight, at_least(0.0), "weight");
+  field("off_trajectory.reach_m", o.reach_m, range(0.0, 10.0), "m");
+}
+
+TEST(Fields, OldKeysSetTheRenamedField) {
+  Renamed options;
+  fields_of(options).apply({"beside.weight=0.25", "off_trajectory.reach_m=1"});
+  EXPECT_EQ(options.weight, 0.25);
+  EXPECT_EQ(options.reach_m, 1.0);
+  EXPECT_EQ(Fields::current_key("beside.weight"), "off_trajectory.weight");
+  EXPECT_EQ(Fields::current_key("off_trajectory.weight"), "off_trajectory.weight");
+  expect_error(ErrorKind::kUsage, "off_trajectory.weight twice", [&] {
+    fields_of(options).apply({"beside.weight=0.25", "off_trajectory.weight=0.5"});
+  });
 }
 
 }  // namespace

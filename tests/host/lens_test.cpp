@@ -286,16 +286,16 @@ TEST(Lens, MaxAngleLimitsEveryLensThatHasIt) {
 }
 
 TEST(Lens, NothingIsMadeOfNan) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
   for (const Lens& lens : {Lens(),
                            Lens(LensKind::kOpencvPinhole, kFolded),
                            Lens(LensKind::kOpencvFisheye, {0, 0, 0, 0, kPi}),
                            Lens(LensKind::kFthetaInverse, {1, 0, 0, 0, 0, 1, 0, 0, kPi}),
                            Lens(LensKind::kEquirectangular, {}),
                            Lens(LensKind::kEucm, {0.5, 1.0, kPi})}) {
-    EXPECT_FALSE(has_image(lens, {kNan, 0.0, 1.0})) << to_string(lens.kind());
-    EXPECT_FALSE(has_image(lens, {0.0, 0.0, kNan})) << to_string(lens.kind());
-    EXPECT_TRUE(lens.unproject({kNan, 0.0}).isZero(0.0)) << to_string(lens.kind());
+    EXPECT_FALSE(has_image(lens, {kNotANumber, 0.0, 1.0})) << to_string(lens.kind());
+    EXPECT_FALSE(has_image(lens, {0.0, 0.0, kNotANumber})) << to_string(lens.kind());
+    EXPECT_TRUE(lens.unproject({kNotANumber, 0.0}).isZero(0.0)) << to_string(lens.kind());
   }
 }
 

@@ -97,32 +97,32 @@ TEST(SceneFolder, SaysHowWideThePixelsWereThatItWasTrainedWith) {
 TEST(SceneFolder, VistasComeBackWithTheirPaths) {
   const Scratch scratch;
   SceneFile written = some_scene();
-  written.scene.vistas = {{{{1e6, 2.0 / 3.0, 3.0}, {1e6 + 5.0, 1.0, 3.0}}}, {{{4.0, 5.0, 6.0}}}};
+  written.scene.visibility_sets = {{{{1e6, 2.0 / 3.0, 3.0}, {1e6 + 5.0, 1.0, 3.0}}}, {{{4.0, 5.0, 6.0}}}};
   written.scene.camera.actor = {0, 1, 2};
   write_scene(scratch / "scene", written);
   const std::string text = read_file(scratch / "scene" / "scene.json");
   EXPECT_NE(text.find("\"version\": 4"), std::string::npos);
   const Scene read = read_scene(scratch / "scene").scene;
-  ASSERT_EQ(read.vistas.size(), 2U);
-  EXPECT_EQ(read.vistas[0].path_m, written.scene.vistas[0].path_m);  // every digit
-  EXPECT_EQ(read.vistas[1].path_m, written.scene.vistas[1].path_m);
+  ASSERT_EQ(read.visibility_sets.size(), 2U);
+  EXPECT_EQ(read.visibility_sets[0].path_m, written.scene.visibility_sets[0].path_m);  // every digit
+  EXPECT_EQ(read.visibility_sets[1].path_m, written.scene.visibility_sets[1].path_m);
   EXPECT_EQ(read.camera.actor, (std::vector<std::uint32_t>{0, 1, 2}));
   // With what actors hide of one.
   Actor car{"car", "car", {4.0, 2.0, 1.5}, {}};
   for (const double time_s : {0.0, 2.0}) car.track.push_back({time_s, {}});
-  written.scene.vistas[1].occluders = {car};
+  written.scene.visibility_sets[1].occluders = {car};
   written.scene.camera.actor = {0, 2, 4};
   write_scene(scratch / "hiding", written);
   EXPECT_NE(read_file(scratch / "hiding" / "scene.json").find("\"version\": 5"), std::string::npos);
   const Scene hiding = read_scene(scratch / "hiding").scene;
-  EXPECT_TRUE(hiding.vistas.at(0).occluders.empty());
-  EXPECT_EQ(hiding.vistas.at(1).occluders.at(0).track.size(), 2U);
+  EXPECT_TRUE(hiding.visibility_sets.at(0).occluders.empty());
+  EXPECT_EQ(hiding.visibility_sets.at(1).occluders.at(0).track.size(), 2U);
   EXPECT_EQ(hiding.camera.actor, written.scene.camera.actor);
   const auto refused = [&](const std::string& path, const std::string& found) {
     Json root = Json::parse(text);
     root["vistas"][1]["path_m"] = Json::parse(path);
     std::ofstream(scratch / "scene" / "scene.json") << root;
-    expect_input_error([&] { (void)read_scene(scratch / "scene"); }, {"vistas[1].path_m", found});
+    expect_input_error([&] { (void)read_scene(scratch / "scene"); }, {"visibility_sets[1].path_m", found});
   };
   refused("[1, 2, 3, 4]", "4 numbers");
   refused("[]", "0 numbers");

@@ -42,12 +42,12 @@ TEST(BufferTable, TellsWhatAFrameTakes) {
         .particles = frame.particles,
         .stride = frame.stride,
         .visible = made.binned.visible,
-        .instances = made.binned.instances,
+        .pairs = made.binned.pairs,
         .slots = frame.slots,
         .tiles = std::uint64_t{frame.tiles_x} * frame.tiles_y,
         .ray_rows = scene.moving ? 6U : 3U,
         .outputs = static_cast<std::uint64_t>(scene.kind == SetKind::kLidar ? SIM_OUTPUTS : SIM_O_DROP)};
-    ASSERT_GT(sizes.instances, sizes.visible);
+    ASSERT_GT(sizes.pairs, sizes.visible);
     expect_counted(device, made.rays, sizes);
     expect_counted(device, made.projected, sizes);
     expect_counted(device, made.binned, sizes);

@@ -97,8 +97,8 @@ TEST_P(OpacityCompensation, WithoutAFootprintNothingChanges) {
 INSTANTIATE_TEST_SUITE_P(All,
                          OpacityCompensation,
                          testing::Values(Precision::kFloat, Precision::kDouble),
-                         [](const auto& instance) {
-                           return instance.param == Precision::kFloat ? "in_float" : "in_double";
+                         [](const auto& pair) {
+                           return pair.param == Precision::kFloat ? "in_float" : "in_double";
                          });
 
 }  // namespace

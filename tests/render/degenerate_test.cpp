@@ -71,7 +71,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
       }
     }
     visible_ = pass.buffers().binned.visible;
-    instances_ = pass.buffers().binned.instances;
+    pairs_ = pass.buffers().binned.pairs;
     expect_finite(gradients_);
     return results;
   }
@@ -89,7 +89,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
     }
     EXPECT_TRUE(gradients_.empty());
     EXPECT_EQ(visible_, 0U);
-    EXPECT_EQ(instances_, 0U);
+    EXPECT_EQ(pairs_, 0U);
   }
   /// Fills every buffer of the renderer with something to leave behind.
   void leave_traces() {
@@ -103,7 +103,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
   RenderOptions options_ = paper_options();
   Renderer renderer_{device_, options_};
   std::vector<float> gradients_;  // of what the last render did not cull
-  std::uint32_t visible_ = 0, instances_ = 0;
+  std::uint32_t visible_ = 0, pairs_ = 0;
 };
 
 TEST_P(Degenerate, NothingIsTheBackground) {
@@ -249,7 +249,7 @@ TEST_P(Degenerate, SensorsOfFewRays) {
 INSTANTIATE_TEST_SUITE_P(All,
                          Degenerate,
                          testing::Values(test::kCameraStill, test::kLidarMoving),
-                         [](const auto& instance) { return std::string(instance.param.name); });
+                         [](const auto& pair) { return std::string(pair.param.name); });
 
 }  // namespace
 }  // namespace simuli

@@ -101,8 +101,8 @@ TEST_P(DetailInFrames, IsThatOfSharesByHand) {
 INSTANTIATE_TEST_SUITE_P(All,
                          DetailInFrames,
                          testing::Values(Precision::kFloat, Precision::kDouble),
-                         [](const auto& instance) {
-                           return instance.param == Precision::kFloat ? "in_float" : "in_double";
+                         [](const auto& pair) {
+                           return pair.param == Precision::kFloat ? "in_float" : "in_double";
                          });
 
 }  // namespace

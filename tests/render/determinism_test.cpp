@@ -134,7 +134,7 @@ TEST_P(Determinism, OrderOfParticlesIsNoMatter) {
 INSTANTIATE_TEST_SUITE_P(All,
                          Determinism,
                          testing::Values(test::kCameraStill, test::kLidarMoving),
-                         [](const auto& instance) { return std::string(instance.param.name); });
+                         [](const auto& pair) { return std::string(pair.param.name); });
 
 }  // namespace
 }  // namespace simuli

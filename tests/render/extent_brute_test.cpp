@@ -129,7 +129,7 @@ std::vector<SingleParticle> scattered(int count,
   return particles;
 }
 
-std::size_t instances_of(const Shot& shot, const std::vector<SingleParticle>& particles, Extent extent) {
+std::size_t pairs_of(const Shot& shot, const std::vector<SingleParticle>& particles, Extent extent) {
   const Device& device = test::device();
   RenderOptions options;
   options.extent = extent;
@@ -138,7 +138,7 @@ std::size_t instances_of(const Shot& shot, const std::vector<SingleParticle>& pa
   return renderer
       .render(ParticleBuffers(device, test::set_of(shot.kind, particles), options.precision), rays, shot.view)
       .buffers()
-      .binned.instances;
+      .binned.pairs;
 }
 
 // The fold of these two lies within the cone that holds their picture.
@@ -155,8 +155,8 @@ TEST(ExactExtentOfFoldedLenses, TestsNotMuchMoreThanUnscented) {
   for (const char* const name : {"pandaset_back_camera", "pandaset_front_camera"}) {
     const Shot shot = camera_of(name, 640, 360);
     const std::vector<SingleParticle> particles = scattered(3000, 0.9, 0.01, 7);
-    const auto exact = static_cast<double>(instances_of(shot, particles, Extent::kExact));
-    const double ratio = exact / static_cast<double>(instances_of(shot, particles, Extent::kUnscented));
+    const auto exact = static_cast<double>(pairs_of(shot, particles, Extent::kExact));
+    const double ratio = exact / static_cast<double>(pairs_of(shot, particles, Extent::kUnscented));
     RecordProperty(name, std::to_string(ratio));
     EXPECT_LT(ratio, 1.3) << name;
   }

@@ -33,7 +33,7 @@ TEST(LidarTables, EveryRayOfEveryTableHasOneSlotInItsTile) {
       ++seen[static_cast<std::size_t>(ray)];
       const std::size_t tile = slot / grid.frame.tile_rays;
       const std::size_t row = grid.tile_rows[tile / grid.frame.tiles_x] +
-                              slot % grid.frame.tile_rays / SIM_SLOT_ROW / grid.frame.row_slots;
+                              slot % grid.frame.tile_rays / SIM_RAY_BLOCK / grid.frame.row_slots;
       ASSERT_EQ(row, static_cast<std::size_t>(ray) / static_cast<std::size_t>(rays.columns)) << name;
       const double place = (static_cast<double>(grid.u[slot]) - first) / width;
       constexpr double kFloat = 1e-3;  // of a tile

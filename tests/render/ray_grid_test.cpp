@@ -55,8 +55,8 @@ void expect_lidar_places(const RayGrid& grid, const LidarRays& rays) {
     if (ray < 0) continue;
     const std::size_t tile = slot / frame.tile_rays;
     const auto row = static_cast<std::size_t>(ray) / static_cast<std::size_t>(rays.columns);
-    const std::size_t slot_row = slot % frame.tile_rays / SIM_SLOT_ROW;
-    ASSERT_EQ(grid.tile_rows[tile / frame.tiles_x] + slot_row / frame.row_slots, row) << "ray " << ray;
+    const std::size_t ray_block = slot % frame.tile_rays / SIM_RAY_BLOCK;
+    ASSERT_EQ(grid.tile_rows[tile / frame.tiles_x] + ray_block / frame.row_slots, row) << "ray " << ray;
     constexpr double kFloat_rad = 1e-6;
     const double u = static_cast<double>(grid.u[slot]);
     const double left = first + static_cast<double>(tile % frame.tiles_x) * width;

@@ -63,7 +63,7 @@ void expect_complete(const RayList& list, const RayGrid& grid) {
     ++seen[ray];
     const std::size_t tile = slot / grid.frame.tile_rays;
     const std::size_t row = grid.tile_rows[tile / grid.frame.tiles_x] +
-                            slot % grid.frame.tile_rays / SIM_SLOT_ROW / grid.frame.row_slots;
+                            slot % grid.frame.tile_rays / SIM_RAY_BLOCK / grid.frame.row_slots;
     ASSERT_LT(row, rows);
     ASSERT_LE(grid.row_elevation[row], list.elevation[ray]);
     ASSERT_GE(grid.row_elevation[rows + row], list.elevation[ray]);

@@ -69,8 +69,8 @@ INSTANTIATE_TEST_SUITE_P(
                     ForwardCase{test::kLidarMoving, Precision::kFloat, test::kGpuShape},
                     ForwardCase{test::kCameraStill, Precision::kFloat, LaneShape{1, 4, 64}},
                     ForwardCase{test::kLidarMoving, Precision::kFloat, LaneShape{4, 4, 16}}),
-    [](const auto& instance) {
-      const ForwardCase& c = instance.param;
+    [](const auto& pair) {
+      const ForwardCase& c = pair.param;
       return std::string(c.scene.name) + (c.precision == Precision::kFloat ? "_float" : "_double") +
              "_lanes" + std::to_string(c.shape.lanes) + "x" + std::to_string(c.shape.work_items);
     });

@@ -146,7 +146,7 @@ TEST_P(Stress, PosesThatAreNoNumbersAreRefused) {
 INSTANTIATE_TEST_SUITE_P(All,
                          Stress,
                          testing::Values(test::kCameraRolling, test::kLidarMoving),
-                         [](const auto& instance) { return std::string(instance.param.name); });
+                         [](const auto& pair) { return std::string(pair.param.name); });
 
 // What a picture has beside particles and poses: extremes come out as numbers, what is none is refused.
 TEST(StressOfLooks, EnvironmentsAndGrids) {

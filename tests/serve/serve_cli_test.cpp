@@ -28,7 +28,7 @@ class ServeCli : public Cli {
         SIMULI_PROGRAM, "serve", (folder_ / "small.scene").string(), "--port", "0"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     server_ = std::make_unique<BackgroundProgram>(arguments, folder_ / "serve.txt");
-    const int port = server_->number_behind("127.0.0.1:");
+    const int port = server_->disoccluded_number("127.0.0.1:");
     ASSERT_GT(port, 0) << server_->output();
     channel_ = channel_to(fmt::format("127.0.0.1:{}", port));
     stub_ = NreService::NewStub(channel_);
@@ -110,7 +110,7 @@ TEST_F(ServeCli, ListensElsewhereOnRequestAlone) {
 #ifdef SIMULI_HAS_METRICS
 TEST_F(ServeCli, TellsPrometheus) {
   start({"--metrics-port", "0"});
-  const int port = server_->number_behind("http://127.0.0.1:");
+  const int port = server_->disoccluded_number("http://127.0.0.1:");
   ASSERT_GT(port, 0) << server_->output();
   EXPECT_EQ(health_of(channel_, ""), 1);
   httplib::Client client("127.0.0.1", port);
@@ -139,7 +139,7 @@ TEST_F(ServeCli, SpeaksTls) {
   EXPECT_LT(health_of(channel_, ""), 0);  // plain text
   grpc::SslCredentialsOptions options;
   options.pem_root_certs = read_file(folder_ / "cert.pem");
-  const std::string address = fmt::format("127.0.0.1:{}", server_->number_behind("127.0.0.1:"));
+  const std::string address = fmt::format("127.0.0.1:{}", server_->disoccluded_number("127.0.0.1:"));
   EXPECT_EQ(health_of(grpc::CreateChannel(address, grpc::SslCredentials(options)), ""), 1);
 #ifdef SIMULI_HAS_METRICS
   start({"--tls-cert",
@@ -151,7 +151,7 @@ TEST_F(ServeCli, SpeaksTls) {
          "--insecure",
          "--metrics-port",
          "0"});
-  EXPECT_GT(server_->number_behind("http://127.0.0.1:"), 0)
+  EXPECT_GT(server_->disoccluded_number("http://127.0.0.1:"), 0)
       << server_->output();  // plain: not on the network
 #endif
 }

@@ -29,7 +29,7 @@ struct Gate {
     return [this, value](const IsGivenUp& is_given_up) {
       ++begun;
       while (!is_open) {
-        need_wanted(is_given_up);
+        throw_if_cancelled(is_given_up);
         std::this_thread::sleep_for(milliseconds(2));
       }
       return number(value);

@@ -19,7 +19,7 @@ set(SIMULI_PUBLIC_sensors
 set(SIMULI_PUBLIC_scene
   "Scenes: particles, actors, appearance, and edits of them."
   host/core/scene/mounting.hpp host/core/scene/gaussians.hpp host/core/scene/appearance.hpp host/core/scene/actor.hpp
-  host/core/scene/ray_drop.hpp host/core/scene/pixel_footprint.hpp host/core/scene/vistas.hpp host/core/scene/scene.hpp host/core/scene/occluders.hpp
+  host/core/scene/ray_drop.hpp host/core/scene/pixel_footprint.hpp host/core/scene/visibility_sets.hpp host/core/scene/scene.hpp host/core/scene/occluders.hpp
   host/core/scene/edit.hpp host/core/scene/moment.hpp)
 set(SIMULI_PUBLIC_device
   "OpenCL devices. Their own handles: <simuli/opencl.h>."
@@ -57,12 +57,12 @@ set(SIMULI_PUBLIC_import
   io/import/waymo/waymo.hpp)
 set(SIMULI_PUBLIC_training
   "A scene from a log: what `simuli train` does."
-  optim/path/path_report.hpp optim/actors/finding_options.hpp
-  optim/init/init_options.hpp optim/log/range_bias.hpp optim/log/own_vehicle.hpp optim/log/range_limit.hpp
-  optim/log/sensor_learning.hpp optim/poses/pose_rates.hpp optim/train/schedule.hpp
-  optim/train/structure_options.hpp optim/length/length_options.hpp optim/train/train_options.hpp
-  optim/fixer/fixer_options.hpp optim/stretch/stretch_options.hpp optim/report/train_report.hpp optim/train/training_options.hpp optim/ranks/ranks.hpp
-  optim/ranks/rank_threads.hpp optim/train/start_report.hpp optim/train/training.hpp)
+  optim/data/path_report.hpp optim/actors/finding_options.hpp
+  optim/init/init_options.hpp optim/data/range_bias.hpp optim/data/ego_vehicle.hpp optim/data/range_limit.hpp
+  optim/data/sensor_learning.hpp optim/actors/pose_rates.hpp optim/train/schedule.hpp
+  optim/train/structure_options.hpp optim/train/length_options.hpp optim/train/train_options.hpp
+  optim/complete/fixer_options.hpp optim/train/chunk/chunk_options.hpp optim/train/train_report.hpp optim/train/training_options.hpp optim/train/ranks/ranks.hpp
+  optim/train/ranks/rank_threads.hpp optim/train/initialization_report.hpp optim/train/training.hpp)
 set(SIMULI_PUBLIC_evaluation
   "A scene beside a log: what `simuli eval` does."
   optim/base/metrics.hpp optim/eval/eval_options.hpp optim/eval/eval_settings.hpp

@@ -101,7 +101,7 @@ typedef struct simuli_evaluation {
 
 /* What `simuli eval SCENE LOG` does; the settings may name image_scale, held_out_every, held_out_middle and
  * held_out_last, too: held_out_every=5 alone compares the frames between those trained on, held_out_last=0.2 alone
- * the end of the path, held_out_middle=0.2 alone a stretch in its middle. */
+ * the end of the path, held_out_middle=0.2 alone a chunk in its middle. */
 simuli_status simuli_evaluate(const simuli_device* device,
                               const char* scene,
                               const char* log,

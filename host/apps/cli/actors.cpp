@@ -20,7 +20,7 @@
 #include "optim/actors/compare_actors.hpp"
 #include "optim/actors/complete_actors.hpp"
 #include "optim/actors/find_actors.hpp"
-#include "optim/log/own_vehicle.hpp"
+#include "optim/data/ego_vehicle.hpp"
 
 namespace simuli::cli {
 namespace {

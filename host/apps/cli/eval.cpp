@@ -38,7 +38,7 @@ void eval(EvalCommand command, const Globals& globals) {
   fields_of(command.options).apply(command.settings);
   check(command.options);
   if (!command.report.empty()) need_writable(command.report);
-  SceneFile file = read_told_scene(command.scene);
+  SceneFile file = read_scene_and_report(command.scene);
   warn_unlike_training(file, command.options.render);
   apply(command.edits, file);
   Log log = read_log(command.log);

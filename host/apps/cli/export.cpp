@@ -64,7 +64,7 @@ Export of_splats(const ExportCommand& command) {
 }
 
 Export of_scene(const ExportCommand& command) {
-  SceneFile file = read_told_scene(command.input);
+  SceneFile file = read_scene_and_report(command.input);
   if (const Trajectory& path = file.world_from_rig; command.is_moment && !path.poses().empty()) {
     if (!(command.at_s >= path.start_s() && command.at_s <= path.end_s())) {
       throw_usage_error("--at",
@@ -90,12 +90,12 @@ Export of_scene(const ExportCommand& command) {
   return out;
 }
 
-void tell_left_out(const std::vector<std::string>& left_out) {
+void print_left_out(const std::vector<std::string>& left_out) {
   if (!left_out.empty()) std::cerr << fmt::format("simuli: note: left out: {}\n", fmt::join(left_out, ", "));
 }
 
 void export_drive(const ExportCommand& command, const Globals& globals) {
-  SceneFile scene = read_told_scene(command.input);
+  SceneFile scene = read_scene_and_report(command.input);
   apply(command.edits, scene);
   const std::string id = scene_id_of(command.input);
   const DriveArchive archive = write_drive_archive(command.output, scene, id);
@@ -104,7 +104,7 @@ void export_drive(const ExportCommand& command, const Globals& globals) {
   if (archive.cameras_without_model > 0) {
     left_out.push_back(fmt::format("the lenses of {} cameras", archive.cameras_without_model));
   }
-  tell_left_out(left_out);
+  print_left_out(left_out);
   if (globals.json) {
     const nlohmann::ordered_json out = {{"file", command.output},
                                         {"scene_id", id},
@@ -132,7 +132,7 @@ void export_log(const ExportCommand& command, const Globals& globals) {
   FileProgress progress("export", globals);
   const NcoreExport done = export_ncore(log, command.output, progress.callback());
   progress.finish();
-  tell_left_out(done.left_out);
+  print_left_out(done.left_out);
   if (globals.json) {
     const nlohmann::ordered_json out = {{"file", command.output},
                                         {"pictures", done.pictures},
@@ -159,7 +159,7 @@ void run_export(const ExportCommand& command, const Globals& globals) {
   }
   const Export exported = is_folder ? of_scene(command) : of_splats(command);
   write_splats(command.output, exported.set, {exported.axes, command.compress});
-  tell_left_out(exported.left_out);
+  print_left_out(exported.left_out);
   if (globals.json) {
     const nlohmann::ordered_json out = {
         {"file", command.output}, {"particles", exported.set.size()}, {"sh_degree", exported.set.sh_degree}};

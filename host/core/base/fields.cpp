@@ -1,6 +1,7 @@
 #include "host/core/base/fields.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fmt/format.h>
@@ -8,6 +9,8 @@
 #include <optional>
 #include <set>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "host/core/base/close_names.hpp"
 #include "host/core/base/error.hpp"
@@ -132,6 +135,23 @@ bool Field::set(const std::string& text) const {
   return std::visit([&](const auto& target) { return set_text(*this, target, text); }, value);
 }
 
+std::string Fields::current_key(const std::string& key) {
+  // Old keys are in logs, scenes and scripts of version 0.1 (CHANGELOG.md).
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kRenamed{{
+      {"actors.fill", "actors.inpaint"},
+      {"beside.reach_m", "off_trajectory.reach_m"},
+      {"beside.weight", "off_trajectory.weight"},
+      {"init.off_path_m", "init.off_trajectory_m"},
+      {"look.least_share", "appearance.least_share"},
+      {"render.max_instances", "render.max_pairs"},
+      {"stretch.length_m", "chunk.length_m"},
+  }};
+  for (const auto& [old_key, new_key] : kRenamed) {
+    if (key == old_key) return std::string(new_key);
+  }
+  return key;
+}
+
 const Field* Fields::find(const std::string& key) const {
   const auto found =
       std::find_if(fields_.begin(), fields_.end(), [&](const Field& f) { return f.key == key; });
@@ -156,7 +176,7 @@ void Fields::apply(const std::vector<std::string>& settings, const std::string& 
   std::set<std::string> seen;
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
-    const std::string key = setting.substr(0, equals);
+    const std::string key = current_key(setting.substr(0, equals));
     const Field* const field = find(key);
     const auto fixed =
         std::find_if(fixed_.begin(), fixed_.end(), [&](const Fixed& one) { return one.field.key == key; });

@@ -10,7 +10,7 @@
 //     field.group("Learning");                                                  // heads what follows in the help
 //     field.part("camera.", o.camera_rates);                                    // a struct of such fields
 //     field.part_in_training("", o.render);                                     // of a training
-//     field.keyless(o.shape);                                                   // nothing that users set
+//     field.internal(o.shape);                                                   // nothing that users set
 //   }
 //
 // and from it come keys, parsing, range checks, help and the text that tells
@@ -65,7 +65,7 @@ struct FieldCount {
     part(prefix, options);
   }
   template <class Member>
-  constexpr void keyless(const Member& /*unused*/) {
+  constexpr void internal(const Member& /*unused*/) {
     ++count;
   }
 };
@@ -82,7 +82,7 @@ consteval std::size_t field_count() {
 
 /// True where visit_fields(Options&, ...) tells of every member.
 template <class Options>
-inline constexpr bool kTellsAll = detail::field_count<Options>() == detail::member_count<Options>();
+inline constexpr bool kVisitsAllMembers = detail::field_count<Options>() == detail::member_count<Options>();
 
 /// Where the value of an enum is, and how it is read and written as a number.
 struct EnumValue {
@@ -113,7 +113,7 @@ class Fields {
   /// Appends those of `options`, `prefix` before their keys.
   template <class Options>
   void part(const char* prefix, Options& options) {
-    static_assert(kTellsAll<Options>, "visit_fields() leaves out a member of these options");
+    static_assert(kVisitsAllMembers<Options>, "visit_fields() leaves out a member of these options");
     const std::string outer = prefix_, outer_group = group_;
     prefix_ += prefix;
     visit_fields(options, *this);
@@ -169,10 +169,12 @@ class Fields {
     fields_.push_back({prefix_ + key, at, {}, {names.begin(), names.end()}, help, in_training, group_});
   }
   template <class Member>
-  void keyless(const Member& /*unused*/) {}
+  void internal(const Member& /*unused*/) {}
 
   [[nodiscard]] const std::vector<Field>& all() const { return fields_; }
   [[nodiscard]] const Field* find(const std::string& key) const;  // null: no such key
+  /// Returns the current key of a setting that was renamed, and any other key unchanged.
+  [[nodiscard]] static std::string current_key(const std::string& key);
 
   /// Sets fields from "key=value" lines. Error{kUsage} reading "WHERE KEY: found, allowed" for a value that
   /// is not one of the key's, "WHERE: ..." for a key that is not there (naming those that resemble it) or

@@ -7,7 +7,7 @@
 namespace simuli {
 
 /// No projection of the Earth has larger coordinates.
-inline constexpr double kFarthestPlace_m = 1e8;
+inline constexpr double kFarthestPosition_m = 1e8;
 /// From the scene's origin: single precision is at 1 m there.
 inline constexpr double kFarthestInScene_m = 1e7;
 

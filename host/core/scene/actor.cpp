@@ -173,9 +173,9 @@ void validate(const Actor& actor, const std::string& where) {
                         key.turn_rad.allFinite();
     if (!finite) throw_input_error(where, field(), "NaN or Inf", "finite numbers");
     const double far_m = (key.world_from_actor.translation + key.shift_m).cwiseAbs().maxCoeff();
-    if (!(far_m <= kFarthestPlace_m))
+    if (!(far_m <= kFarthestPosition_m))
       throw_input_error(
-          where, field(), fmt::format("a place at {} m", far_m), fmt::format("up to {} m", kFarthestPlace_m));
+          where, field(), fmt::format("a place at {} m", far_m), fmt::format("up to {} m", kFarthestPosition_m));
     if (i > 0 && !(key.time_s > actor.track[i - 1].time_s)) {
       throw_input_error(where,
                         field(),

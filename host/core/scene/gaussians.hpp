@@ -24,7 +24,7 @@ struct GaussianSet {
   int sh_degree = 0;
   Eigen::MatrixXf params;  // [N, param_rows(sh_degree)]
   /// [N] whose particle it is: 0 of the background, i + 1 of Scene::actors[i], in whose frame its parameters
-  /// are; behind these what Scene::vistas show and what occluders hide. Empty: all are of the background.
+  /// are; behind these what Scene::visibility_sets show and what occluders hide. Empty: all are of the background.
   std::vector<std::uint32_t> actor;
 
   GaussianSet() = default;

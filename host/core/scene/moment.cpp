@@ -33,13 +33,13 @@ void deform(GaussianSet& set, const DeformationView& shape) {
   }
 }
 
-/// Of a vista's particles those that stand nearest to its own path: what several vistas have of one place is
+/// Of a visibility_set's particles those that stand nearest to its own path: what several visibility_sets have of one place is
 /// there once then.
-GaussianSet nearest_to(const Scene& scene, std::size_t vista, GaussianSet set) {
+GaussianSet nearest_to(const Scene& scene, std::size_t visibility_set, GaussianSet set) {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < set.size(); ++i) {
     const Eigen::Vector3d p_scene = set.mean().row(i).transpose().cast<double>();
-    if (nearest_vista(scene.vistas, p_scene + scene.origin) == vista) rows.push_back(i);
+    if (nearest_visibility_set(scene.visibility_sets, p_scene + scene.origin) == visibility_set) rows.push_back(i);
   }
   return static_cast<std::size_t>(set.size()) == rows.size() ? set : subset(set, rows);
 }
@@ -55,12 +55,12 @@ GaussianSet joined(const std::vector<GaussianSet>& parts) {
   return out;
 }
 
-/// Of which vista the particles of owners_during()[index] are.
-std::optional<std::size_t> vista_of(const Scene& scene, std::size_t index) {
+/// Of which visibility_set the particles of owners_during()[index] are.
+std::optional<std::size_t> visibility_set_of(const Scene& scene, std::size_t index) {
   if (index < scene.actors.size()) return std::nullopt;
   index -= scene.actors.size();
-  if (index < scene.vistas.size()) return index;
-  return occluders_of(scene)[(index - scene.vistas.size()) / 2].vista;
+  if (index < scene.visibility_sets.size()) return index;
+  return occluders_of(scene)[(index - scene.visibility_sets.size()) / 2].visibility_set;
 }
 
 const GaussianSet& set_of(const Scene& scene, SetKind kind) {
@@ -72,12 +72,12 @@ const GaussianSet& set_of(const Scene& scene, SetKind kind) {
 GaussianSet background_of(const Scene& scene, SetKind kind) {
   const GaussianSet& set = set_of(scene, kind);
   std::vector<GaussianSet> parts{of_owner(set, 0)};
-  for (std::size_t i = 0; i < scene.vistas.size(); ++i)
-    parts.push_back(nearest_to(scene, i, of_owner(set, number_of_vista(scene, i))));
+  for (std::size_t i = 0; i < scene.visibility_sets.size(); ++i)
+    parts.push_back(nearest_to(scene, i, of_owner(set, number_of_visibility_set(scene, i))));
   const std::vector<Occluder> occluders = occluders_of(scene);
   for (std::size_t i = 0; i < occluders.size(); ++i) {
-    GaussianSet instead = of_owner(set, number_instead(scene, i));
-    if (occluders[i].vista) instead = nearest_to(scene, *occluders[i].vista, std::move(instead));
+    GaussianSet instead = of_owner(set, inpainted_number(scene, i));
+    if (occluders[i].visibility_set) instead = nearest_to(scene, *occluders[i].visibility_set, std::move(instead));
     parts.push_back(std::move(instead));
   }
   return joined(parts);
@@ -90,8 +90,8 @@ GaussianSet moment_of(const Scene& scene, SetKind kind, double time_s) {
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!views[i].is_there) continue;
     parts.push_back(of_owner(set, static_cast<std::uint32_t>(i + 1)));
-    if (const auto vista = vista_of(scene, i))
-      parts.back() = nearest_to(scene, *vista, std::move(parts.back()));
+    if (const auto visibility_set = visibility_set_of(scene, i))
+      parts.back() = nearest_to(scene, *visibility_set, std::move(parts.back()));
     deform(parts.back(), views[i].deformation);
     transform(parts.back(), views[i].scene_from_actor_start);
   }

@@ -15,24 +15,24 @@ bool is_same(const Pose& a, const Pose& b) {
 
 }  // namespace
 
-std::uint32_t number_of_vista(const Scene& scene, std::size_t index) {
+std::uint32_t number_of_visibility_set(const Scene& scene, std::size_t index) {
   return static_cast<std::uint32_t>(scene.actors.size() + index + 1);
 }
-std::uint32_t number_behind(const Scene& scene, std::size_t index) {
-  return static_cast<std::uint32_t>(scene.actors.size() + scene.vistas.size() + 2 * index + 1);
+std::uint32_t disoccluded_number(const Scene& scene, std::size_t index) {
+  return static_cast<std::uint32_t>(scene.actors.size() + scene.visibility_sets.size() + 2 * index + 1);
 }
-std::uint32_t number_instead(const Scene& scene, std::size_t index) {
-  return number_behind(scene, index) + 1;
+std::uint32_t inpainted_number(const Scene& scene, std::size_t index) {
+  return disoccluded_number(scene, index) + 1;
 }
 std::size_t most_numbers(const Scene& scene) {
-  return scene.actors.size() + scene.vistas.size() + 2 * occluders_of(scene).size();
+  return scene.actors.size() + scene.visibility_sets.size() + 2 * occluders_of(scene).size();
 }
 
 std::vector<Occluder> occluders_of(const Scene& scene) {
   std::vector<Occluder> out;
   for (const Actor& occluder : scene.occluders) out.push_back({&occluder});
-  for (std::size_t v = 0; v < scene.vistas.size(); ++v) {
-    for (const Actor& occluder : scene.vistas[v].occluders) out.push_back({&occluder, v});
+  for (std::size_t v = 0; v < scene.visibility_sets.size(); ++v) {
+    for (const Actor& occluder : scene.visibility_sets[v].occluders) out.push_back({&occluder, v});
   }
   return out;
 }
@@ -58,10 +58,10 @@ std::vector<ActorView> owners_during(const Scene& scene,
                                      const std::optional<Eigen::Vector3d>& eye) {
   std::vector<ActorView> views = actors_during(actors, time_start_s, time_end_s, scene.origin);
   const std::vector<double> shares =
-      eye ? vista_shares(scene.vistas, *eye) : std::vector<double>(scene.vistas.size(), 1.0);
+      eye ? visibility_shares(scene.visibility_sets, *eye) : std::vector<double>(scene.visibility_sets.size(), 1.0);
   for (const double share : shares) views.push_back({share > 0.0, {}, {}, {}, share});
   for (const Occluder& occluder : occluders_of(scene)) {
-    const double share = occluder.vista ? shares[*occluder.vista] : 1.0;
+    const double share = occluder.visibility_set ? shares[*occluder.visibility_set] : 1.0;
     const bool away = share > 0.0 && is_away(*occluder.actor, actors, time_start_s, time_end_s);
     views.push_back({share > 0.0 && !away, {}, {}, {}, share});
     views.push_back({away, {}, {}, {}, share});

@@ -13,19 +13,19 @@
 
 namespace simuli {
 
-/// GaussianSet::actor of what is of Scene::vistas[index], in the scene's frame.
-[[nodiscard]] std::uint32_t number_of_vista(const Scene& scene, std::size_t index);
-/// An actor that hides something; of which vista, if of one.
+/// GaussianSet::actor of what is of Scene::visibility_sets[index], in the scene's frame.
+[[nodiscard]] std::uint32_t number_of_visibility_set(const Scene& scene, std::size_t index);
+/// An actor that hides something; of which visibility_set, if of one.
 struct Occluder {
   const Actor* actor = nullptr;
-  std::optional<std::size_t> vista = {};
+  std::optional<std::size_t> visibility_set = {};
 };
-/// The scene's own, then each vista's.
+/// The scene's own, then each visibility_set's.
 [[nodiscard]] std::vector<Occluder> occluders_of(const Scene& scene);
 /// GaussianSet::actor of what is hidden behind occluders_of()[index], and of what is there instead. Their
 /// parameters are in the scene's frame.
-[[nodiscard]] std::uint32_t number_behind(const Scene& scene, std::size_t index);
-[[nodiscard]] std::uint32_t number_instead(const Scene& scene, std::size_t index);
+[[nodiscard]] std::uint32_t disoccluded_number(const Scene& scene, std::size_t index);
+[[nodiscard]] std::uint32_t inpainted_number(const Scene& scene, std::size_t index);
 /// The largest GaussianSet::actor that particles of the scene may have.
 [[nodiscard]] std::size_t most_numbers(const Scene& scene);
 
@@ -37,8 +37,8 @@ struct Occluder {
                            double time_end_s);
 
 /// Views of all that particles of the scene belong to, in the order of their numbers: `actors`, which are the
-/// scene's or edited ones, then the vistas as they are seen from `eye` (world, m; none: all of them), then
-/// what is behind and instead of each occluder, a vista's by the share of that.
+/// scene's or edited ones, then the visibility_sets as they are seen from `eye` (world, m; none: all of them), then
+/// what is behind and instead of each occluder, a visibility_set's by the share of that.
 [[nodiscard]] std::vector<ActorView> owners_during(const Scene& scene,
                                                    const std::vector<Actor>& actors,
                                                    double time_start_s,

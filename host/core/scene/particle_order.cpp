@@ -20,9 +20,9 @@ std::uint64_t spread(std::uint64_t x) {
   return (x | x << 2U) & 0x1249249249249249U;
 }
 
-std::uint64_t cell_of(float place_m) {
+std::uint64_t cell_of(float position_m) {
   constexpr float kHalf = 1U << (kAxisBits - 1);
-  const float cell = std::floor(place_m * kCoherentCellsPerMetre) + kHalf;
+  const float cell = std::floor(position_m * kCoherentCellsPerMetre) + kHalf;
   // What is not a number is not above 0.
   if (!(cell > 0.0F)) return 0;
   return static_cast<std::uint64_t>(std::min(cell, 2.0F * kHalf - 1.0F));

@@ -9,7 +9,7 @@
 #include "host/core/scene/gaussians.hpp"
 #include "host/core/scene/pixel_footprint.hpp"
 #include "host/core/scene/ray_drop.hpp"
-#include "host/core/scene/vistas.hpp"
+#include "host/core/scene/visibility_sets.hpp"
 
 namespace simuli {
 
@@ -23,7 +23,7 @@ struct Scene {
   EnvironmentMap environment;  // of the camera set; empty: camera_background in all directions
   ColorGrids color_grids;      // of the camera set; empty: colours as they are
   std::vector<Actor> actors;
-  std::vector<Vista> vistas;  // of the camera set: what is each seen from its own stretch of the drive alone
+  std::vector<VisibilitySet> visibility_sets;  // of the camera set: what is each seen from its own chunk of the drive alone
   /// Actors as they were recorded, rigid, that hide what nothing else shows: see occluders.hpp.
   std::vector<Actor> occluders;
   std::vector<RayDrop> ray_drop;  // of the LiDARs that it was trained on; none: of hit and drop logits alone

@@ -65,7 +65,7 @@ bool is_blind(const LidarModel& model, const LidarRays& rays, std::size_t ray) {
          is_blind(*lidar, ray, static_cast<double>(rays.azimuth[ray]));
 }
 
-bool meets_own_vehicle(const LidarModel& model, const LidarRays& rays, std::size_t ray) {
+bool hits_ego_vehicle(const LidarModel& model, const LidarRays& rays, std::size_t ray) {
   const auto* const lidar = std::get_if<Lidar>(&model);
   if (lidar == nullptr || lidar->blind.empty()) return false;
   const BlindArc* const arc = blind_arc_of(*lidar, ray, static_cast<double>(rays.azimuth[ray]));

@@ -31,7 +31,7 @@ using LidarModel = std::variant<Lidar, RayList>;
 /// Whether nothing can return from a ray of the model: is_blind() of a Lidar's; no ray of a list is.
 [[nodiscard]] bool is_blind(const LidarModel& model, const LidarRays& rays, std::size_t ray);
 /// Whether what a ray returns is of the vehicle itself (BlindArc::own_returns), and no part of any scene.
-[[nodiscard]] bool meets_own_vehicle(const LidarModel& model, const LidarRays& rays, std::size_t ray);
+[[nodiscard]] bool hits_ego_vehicle(const LidarModel& model, const LidarRays& rays, std::size_t ray);
 /// Distances are how far light went: what particles are made of and compared with (Sweep). What a sensor
 /// states of them, in its files and in LidarFrame, is off by its row's range bias. m, of a ray that returned.
 [[nodiscard]] float stated_range(const LidarModel& model,

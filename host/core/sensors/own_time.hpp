@@ -15,7 +15,7 @@ struct OwnTimeImage {
 };
 
 /// How closely it is asked for.
-struct OwnTimeLooks {
+struct OwnTimeObservations {
   int most = 12;                                            // after the one at the middle of the frame
   double settled_px = 1e-4;                                 // what moves it by less is the last
   double margin = std::numeric_limits<double>::infinity();  // of the picture's sides: farther out it has none
@@ -32,7 +32,7 @@ inline bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double
 template <class PCamera>
 [[nodiscard]] std::optional<OwnTimeImage> image_at_own_time(const Camera& camera,
                                                             const PCamera& p_camera,
-                                                            const OwnTimeLooks& looks = {}) {
+                                                            const OwnTimeObservations& looks = {}) {
   OwnTimeImage image;
   if (!camera.project(p_camera(image.share), image.pixel)) return std::nullopt;
   if (camera.shutter == ShutterKind::kGlobal) return image;

@@ -19,11 +19,11 @@ Trajectory::Trajectory(std::vector<TimedPose> poses) : poses_(std::move(poses)) 
     if (!finite) throw_input_error("trajectory", fmt::format("poses[{}]", i), "NaN or Inf", "finite");
     // Half of what labels may have: what is found beside the path is within that.
     const double far_m = p.pose.translation.cwiseAbs().maxCoeff();
-    if (far_m > 0.5 * kFarthestPlace_m) {
+    if (far_m > 0.5 * kFarthestPosition_m) {
       throw_input_error("trajectory",
                         fmt::format("poses[{}]", i),
                         fmt::format("a place at {} m", far_m),
-                        fmt::format("up to {} m", 0.5 * kFarthestPlace_m));
+                        fmt::format("up to {} m", 0.5 * kFarthestPosition_m));
     }
     if (!(p.pose.rotation.norm() > 1e-6)) {
       throw_input_error("trajectory", fmt::format("poses[{}].rotation", i), "a zero quaternion", "any other");

@@ -177,7 +177,7 @@ std::vector<std::size_t> jumps_of(const Recorder& recorder, const std::vector<st
 }
 
 /// Seconds of a turn, on average. What passed in jumps are no turns.
-double turn_s(const Recorder& velodyne, const SweepNs& times) {
+double revolution_s(const Recorder& velodyne, const SweepNs& times) {
   const std::vector<std::size_t>& frames = velodyne.present;
   std::int64_t ns = times.end[frames.back()] - times.start[frames.front()];
   std::size_t turns = frames.back() - frames.front() + 1;
@@ -298,7 +298,7 @@ Log import_kitti(const KittiOptions& options,
   log.cameras = calibration.cameras;
   std::vector<fs::path> sweeps;
   for (const std::size_t i : velodyne.present) sweeps.push_back(velodyne.file(i));
-  log.lidars = {{fit_lidar(sweeps, read_beam_table(options.lidar, turn_s(velodyne, times)), counts),
+  log.lidars = {{fit_lidar(sweeps, read_beam_table(options.lidar, revolution_s(velodyne, times)), counts),
                  Pose{}}};  // the rig's frame is the velodyne's
 
   Log imported = make_import(options.output, log, [&] {

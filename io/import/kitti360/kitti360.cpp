@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace kitti360;
 
-constexpr double kTurn_s = 0.1;           // of the sensor, where the frames beside are not there
+constexpr double kRevolution_s = 0.1;           // of the sensor, where the frames beside are not there
 constexpr double kMostPastPath_s = 0.15;  // half a turn more is what a trajectory can be continued by
 
 /// A picture or a sweep.
@@ -68,14 +68,14 @@ std::vector<std::pair<std::string, fs::path>> find_cameras(const fs::path& pictu
 }
 
 /// Half the time between a turn and its neighbours to either side.
-double half_turn_s(const std::vector<std::int64_t>& times_ns, std::size_t frame) {
-  double turn_s = kTurn_s;
+double half_revolution_s(const std::vector<std::int64_t>& times_ns, std::size_t frame) {
+  double revolution_s = kRevolution_s;
   for (const std::size_t later : {frame, frame + 1}) {
     if (later == 0 || later >= times_ns.size()) continue;
     const double apart_s = static_cast<double>(times_ns[later] - times_ns[later - 1]) * 1e-9;
-    if (apart_s > 0.0) turn_s = std::min(turn_s, apart_s);
+    if (apart_s > 0.0) revolution_s = std::min(revolution_s, apart_s);
   }
-  return 0.5 * turn_s;
+  return 0.5 * revolution_s;
 }
 
 class Sequence {
@@ -112,7 +112,7 @@ class Sequence {
 
   [[nodiscard]] std::vector<Recording> sweeps(const Trajectory& path) const {
     return present(points() / "data", ".bin", path, velodyne_ns_, [&](std::size_t frame) {
-      return half_turn_s(velodyne_ns_, frame);
+      return half_revolution_s(velodyne_ns_, frame);
     });
   }
   [[nodiscard]] std::vector<Recording> pictures(const fs::path& folder, const Trajectory& path) const {
@@ -191,7 +191,7 @@ Log import_kitti360(const Kitti360Options& options,
   if (!sweeps.empty()) {
     std::vector<fs::path> files;
     for (const Recording& sweep : sweeps) files.push_back(sweep.file);
-    log.lidars = {{kitti::fit_lidar(files, kitti::read_beam_table(options.lidar, kTurn_s), report.points),
+    log.lidars = {{kitti::fit_lidar(files, kitti::read_beam_table(options.lidar, kRevolution_s), report.points),
                    Pose{}}};  // the rig's frame is the velodyne's
   }
 

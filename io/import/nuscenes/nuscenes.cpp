@@ -225,11 +225,11 @@ Camera camera_of(const Recording& r, const Mounted& m) {
 }
 
 /// Start of each sweep: the end of the one before, or a turn before its own end.
-std::vector<double> sweep_starts(const std::vector<double>& ends_s, double turn_s) {
+std::vector<double> sweep_starts(const std::vector<double>& ends_s, double revolution_s) {
   std::vector<double> starts;
   for (std::size_t i = 0; i < ends_s.size(); ++i) {
-    const bool follows = i > 0 && ends_s[i] - ends_s[i - 1] < 1.5 * turn_s;
-    starts.push_back(follows ? ends_s[i - 1] : ends_s[i] - turn_s);
+    const bool follows = i > 0 && ends_s[i] - ends_s[i - 1] < 1.5 * revolution_s;
+    starts.push_back(follows ? ends_s[i - 1] : ends_s[i] - revolution_s);
   }
   return starts;
 }
@@ -263,10 +263,10 @@ Log import_nuscenes(const NuscenesOptions& options,
   const auto seconds = [&](const Recording* r) {
     return static_cast<double>(r->time_ns - t.start_ns) * 1e-9;
   };
-  constexpr double kTurn_s = 0.05;
+  constexpr double kRevolution_s = 0.05;
   std::vector<double> ends_s;
   for (const Recording* r : turns) ends_s.push_back(seconds(r));
-  const std::vector<double> starts_s = sweep_starts(ends_s, kTurn_s);
+  const std::vector<double> starts_s = sweep_starts(ends_s, kRevolution_s);
   log.world_from_rig = Trajectory(std::move(t.path));
   if (!turns.empty()) {
     std::vector<fs::path> files;

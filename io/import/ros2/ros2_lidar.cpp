@@ -17,7 +17,7 @@
 #include "host/core/sensors/lidar_locate.hpp"
 #include "io/import/points/point_grid.hpp"
 #include "io/import/points/unit_offset.hpp"
-#include "io/import/ros2/ros2_turn.hpp"
+#include "io/import/ros2/ros2_revolution.hpp"
 
 namespace simuli::ros2 {
 namespace {
@@ -324,7 +324,7 @@ RecordedLidar fit_recorded(const Ros2Lidar& as_asked,
     fit.rows(rings);
   else
     fit.rows(places);
-  RecordedTurn turn = find_turn(asked, sweeps, fit.out.row_of, apart_s, file, where);
+  RecordedRevolution turn = find_turn(asked, sweeps, fit.out.row_of, apart_s, file, where);
   fit.out.model = std::move(turn.model);
   std::move(turn.notes.begin(), turn.notes.end(), std::back_inserter(fit.out.notes));
   fit.start(sweeps, stamp);

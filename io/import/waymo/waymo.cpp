@@ -129,12 +129,12 @@ class SegmentLog {
 
   /// A sweep ends where the next begins, or a turn later.
   void end_sweeps() {
-    constexpr double kTurn_s = 0.1;
+    constexpr double kRevolution_s = 0.1;
     std::vector<SweepFrame>& sweeps = log_.sweeps;
     for (std::size_t i = 0; i < sweeps.size(); ++i) {
       const bool follows =
-          i + 1 < sweeps.size() && sweeps[i + 1].time_start_s - sweeps[i].time_start_s < 1.5 * kTurn_s;
-      sweeps[i].time_end_s = follows ? sweeps[i + 1].time_start_s : sweeps[i].time_start_s + kTurn_s;
+          i + 1 < sweeps.size() && sweeps[i + 1].time_start_s - sweeps[i].time_start_s < 1.5 * kRevolution_s;
+      sweeps[i].time_end_s = follows ? sweeps[i + 1].time_start_s : sweeps[i].time_start_s + kRevolution_s;
     }
   }
 

@@ -59,7 +59,7 @@ class MountingSearch {
     take(texture);
     refuse("place along", edge_deviation_.head<3>(), kWorstTranslation_m, 1.0, "m");
     refuse("turn about", edge_deviation_.segment<3>(3), kWorstRotation_rad, 1.0 / kDegree, "deg");
-    tell_change();
+    print_change();
     if (progress_ && with_time_) progress_(steps(), steps());
     return report_;
   }
@@ -195,7 +195,7 @@ class MountingSearch {
                     worst * unit));
   }
 
-  void tell_change() {
+  void print_change() {
     const Pose change = camera_.rig_from_camera.inverse() * report_.rig_from_camera;
     report_.translation_change_m = change.translation;
     report_.rotation_change_rad = change.rotation.angularDistance(Eigen::Quaterniond::Identity());

@@ -43,12 +43,12 @@ void widen(Vector& sigma, const Eigen::Vector3d& apart) {
 
 /// Whether what was given lies within what the report says of its own errors.
 bool is_as_given(const CameraPoseReport& report, const LogCamera& given) {
-  constexpr double kTold = 2.0;  // standard deviations
+  constexpr double kReported = 2.0;  // standard deviations
   const MountingStep change =
       step_between({given.rig_from_camera, 0.0}, {report.rig_from_camera, report.time_offset_s});
   MountingStep sigma;
   sigma << report.translation_sigma_m, report.rotation_sigma_rad, report.time_sigma_s;
-  return (change.cwiseAbs().array() <= kTold * sigma.array()).all();
+  return (change.cwiseAbs().array() <= kReported * sigma.array()).all();
 }
 
 /// What either half of the pictures says of the mounting, and to the pictures of the other one.

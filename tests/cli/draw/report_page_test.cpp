@@ -48,7 +48,7 @@ TEST(ReportPage, WorksInABrowser) {
   const test::Scratch scratch;
   write_page(scratch / "r.html");
   const test::BackgroundProgram driver({"chromedriver", "--port=0"}, scratch / "driver.txt");
-  const int port = driver.number_behind("successfully on port ");
+  const int port = driver.disoccluded_number("successfully on port ");
   ASSERT_GT(port, 0) << driver.output();
   test::Browser browser(port, scratch / "profile");
   ASSERT_TRUE(browser.is_open()) << driver.output();

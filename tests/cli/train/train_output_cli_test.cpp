@@ -150,7 +150,7 @@ TEST_F(TrainOutputCli, OneTrainingAtATime) {
 TEST_F(TrainOutputCli, AStoppedTrainingGoesOn) {
   for (const int signal : {SIGTERM, SIGINT}) {
     const auto training = start("1000000");
-    ASSERT_GT(training->number_behind("frames to train on: front "), 0) << training->output();
+    ASSERT_GT(training->disoccluded_number("frames to train on: front "), 0) << training->output();
     std::this_thread::sleep_for(kUnderWay);
     EXPECT_EQ(training->end_by(signal), kInterrupted) << training->output();
     EXPECT_NE(training->output().find("--resume goes on from there"), std::string::npos)
@@ -232,7 +232,7 @@ TEST_F(TrainOutputCli, SignalsLeaveNothingHalfWritten) {
                               "--set",
                               "init.voxel_m=0.3"},
                              folder_ / "train.txt");
-  ASSERT_GT(training.number_behind("frames to train on: front "), 0) << training.output();
+  ASSERT_GT(training.disoccluded_number("frames to train on: front "), 0) << training.output();
   std::this_thread::sleep_for(kUnderWay);
   EXPECT_EQ(training.end_by(SIGTERM), -SIGTERM);
   EXPECT_EQ(names(), (std::set<std::string>{}));

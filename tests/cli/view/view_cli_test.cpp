@@ -348,7 +348,7 @@ TEST_F(ViewCli, TrainingIsShownWhileItRuns) {
                                  "--view",
                                  "0"},
                                 folder_ / "train.txt");
-  const int port = train.number_behind("http://127.0.0.1:");
+  const int port = train.disoccluded_number("http://127.0.0.1:");
   ASSERT_GT(port, 0) << train.output();
   httplib::Client client("127.0.0.1", port);
   client.set_read_timeout(60);

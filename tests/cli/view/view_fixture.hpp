@@ -25,7 +25,7 @@ class ViewCli : public Cli {
     std::vector<std::string> arguments{SIMULI_PROGRAM, "view", (folder_ / scene).string(), "--port", "0"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     viewer_ = std::make_unique<BackgroundProgram>(arguments, folder_ / "view.txt");
-    port_ = viewer_->number_behind("http://127.0.0.1:");
+    port_ = viewer_->disoccluded_number("http://127.0.0.1:");
     client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);  // finds nobody if it has not started
     client_->set_read_timeout(60);
     ASSERT_GT(port_, 0) << viewer_->output();

@@ -32,7 +32,7 @@ class ViewPage : public ViewCli {
     start_scene(what);
     driver_ = std::make_unique<BackgroundProgram>(std::vector<std::string>{"chromedriver", "--port=0"},
                                                   folder_ / "driver.txt");
-    const int driver_port = driver_->number_behind("successfully on port ");
+    const int driver_port = driver_->disoccluded_number("successfully on port ");
     ASSERT_GT(driver_port, 0) << driver_->output();
     browser_ = std::make_unique<Browser>(driver_port, folder_ / "profile");
     ASSERT_TRUE(browser_->is_open()) << driver_->output();
@@ -310,7 +310,7 @@ TEST_F(ViewPage, PointsToWhatIsThere) {
   act("$('lidar-command').click()");
   EXPECT_TRUE(browser_->wait_for("$('command-box').open && $('command').value.includes('view_free.json')"));
   act("$('command-box').close()");
-  act("tellCommand(pictureRequest())");
+  act("showCommand(pictureRequest())");
   EXPECT_TRUE(browser_->wait_for("$('command-box').open && $('command').value.startsWith('simuli render')"));
   act("$('layer').value = 'depth'; $('layer').onchange()");
   EXPECT_EQ(tell("$('command-box').open"), false);

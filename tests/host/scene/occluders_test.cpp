@@ -24,7 +24,7 @@ Scene two_cars_and_a_place() {
     scene.actors.push_back(car);
   }
   scene.occluders = {scene.actors[1]};
-  scene.camera.actor = {0, 1, 2, number_behind(scene, 0), number_instead(scene, 0)};
+  scene.camera.actor = {0, 1, 2, disoccluded_number(scene, 0), inpainted_number(scene, 0)};
   return scene;
 }
 
@@ -78,8 +78,8 @@ TEST(Occluders, AreAwayWhenAnyEditTakesThemFromTheirPlace) {
     EXPECT_EQ(is_away(scene.occluders[0], scene.actors, 1.0, 1.0), c.away) << c.name;
     const std::vector<bool> now = shown(scene, 1.0);
     ASSERT_EQ(now.size(), most_numbers(scene)) << c.name;
-    EXPECT_EQ(now[number_behind(scene, 0) - 1], !c.away) << c.name;
-    EXPECT_EQ(now[number_instead(scene, 0) - 1], c.away) << c.name;
+    EXPECT_EQ(now[disoccluded_number(scene, 0) - 1], !c.away) << c.name;
+    EXPECT_EQ(now[inpainted_number(scene, 0) - 1], c.away) << c.name;
   }
 }
 
@@ -94,8 +94,8 @@ TEST(Occluders, KeepTheirParticlesWhenActorsComeAndGo) {
     return means;
   };
   const auto expect_own = [&](const char* when) {
-    EXPECT_EQ(means_of(number_behind(scene, 0)), std::vector<float>{3.0F}) << when;
-    EXPECT_EQ(means_of(number_instead(scene, 0)), std::vector<float>{4.0F}) << when;
+    EXPECT_EQ(means_of(disoccluded_number(scene, 0)), std::vector<float>{3.0F}) << when;
+    EXPECT_EQ(means_of(inpainted_number(scene, 0)), std::vector<float>{4.0F}) << when;
     EXPECT_LE(*std::max_element(scene.camera.actor.begin(), scene.camera.actor.end()), most_numbers(scene));
   };
   duplicate_actor(scene, "first", "third");

@@ -1,4 +1,4 @@
-#include "optim/path/refined_path.hpp"
+#include "optim/data/refined_path.hpp"
 
 #include <gtest/gtest.h>
 

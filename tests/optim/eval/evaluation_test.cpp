@@ -209,7 +209,7 @@ TEST_F(EvaluationTest, TheMiddleOfThePathIsToldApart) {
   const EvalFrames middle = select_eval_frames(log_, scene, {.held_out_middle = 0.3});
   EXPECT_EQ(middle.images, (std::vector<std::size_t>{2, 3}));
   EXPECT_EQ(middle.label(), "held-out frames in the middle of the path");
-  // Both stretches and no frame between: two parts, and the label names both.
+  // Both chunks and no frame between: two parts, and the label names both.
   const SceneFile both =
       trained_on(log_, initial_scene(), {.held_out_every = 0, .held_out_middle = 0.3, .held_out_last = 0.1});
   const EvalReport parts = Evaluation(test::device(), both, log_).run();

@@ -11,7 +11,7 @@
 #include "optim/init/actor_tracks.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/init/initialize_actors.hpp"
-#include "optim/poses/actor_poses.hpp"
+#include "optim/actors/actor_poses.hpp"
 #include "optim/train/trainer.hpp"
 #include "optim/train/training.hpp"
 #include "tests/optim/init/street_with_car.hpp"
@@ -334,7 +334,7 @@ TEST(ActorPoses, WalkDownASlopeToTheTruth) {
       const Eigen::AngleAxisd apart(found.rotation * expected.rotation.conjugate());
       turn = apart.angle() * apart.axis();
     };
-    error(start_s, g.shift_start, g.turn_start);
+    error(start_s, g.shift_start, g.revolution_start);
     error(end_s, g.shift_end, g.turn_end);
     poses.step(actors, {g}, start_s, end_s, static_cast<double>(i) / kSteps);
   }

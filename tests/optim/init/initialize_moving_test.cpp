@@ -5,7 +5,7 @@
 
 #include "host/core/base/error.hpp"
 #include "optim/init/initialize_views.hpp"
-#include "tests/optim/points/point_set.hpp"
+#include "tests/optim/init/points/point_set.hpp"
 
 namespace simuli {
 namespace initialize_moving_test {

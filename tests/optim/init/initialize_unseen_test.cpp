@@ -21,7 +21,7 @@ constexpr std::uint32_t kViews = 3;
 
 struct Points {
   PointSet points;
-  std::vector<PointLook> looks;
+  std::vector<PointObservation> looks;
 
   void add(const Eigen::Vector3f& position, float intensity) {
     PointSet one;

@@ -6,7 +6,7 @@
 
 #include "host/core/base/error.hpp"
 #include "tests/host/expect_error.hpp"
-#include "tests/optim/points/point_set.hpp"
+#include "tests/optim/init/points/point_set.hpp"
 
 namespace simuli {
 namespace initialize_views_test {
@@ -65,7 +65,7 @@ TEST(LookAtPoints, TheForegroundHidesTheBackground) {
   positions.emplace_back(6.0F, 0.0F, 20.0F);
   const PointSet points = point_set(positions);
   const ImageView view(camera(), at(0, 0, 0), at(0, 0, 0));
-  std::vector<PointLook> looks(points.size());
+  std::vector<PointObservation> looks(points.size());
   const Coverage coverage = look_at_points(view, plain(0.25F, 0.5F, 0.75F), points, 0.1, 5, looks);
   for (std::size_t i = 0; i < hidden; ++i) ASSERT_TRUE(std::isfinite(looks[i].range_m)) << i;
   EXPECT_TRUE(std::isinf(looks[hidden].range_m));
@@ -83,7 +83,7 @@ TEST(LookAtPoints, TheClosestImageGivesTheColour) {
   const ImageView far(camera(), at(0, 0, 0), at(0, 0, 0));
   const ImageView near(camera(), at(0, 0, 4), at(0, 0, 4));
   for (const bool near_first : {false, true}) {
-    std::vector<PointLook> looks(1);
+    std::vector<PointObservation> looks(1);
     for (const bool is_near : {near_first, !near_first}) {
       (void)look_at_points(
           is_near ? near : far, is_near ? plain(1, 0, 0) : plain(0, 1, 0), points, 0.1, 5, looks);
@@ -104,7 +104,7 @@ TEST(JoinByFootprint, OnlyWhatNoPictureShowsApartBecomesOne) {
                                {10.25F, 0.15F, 0.05F},
                                {10.45F, 0.05F, 0.05F}});
   points.intensity = {0.1F, 0.2F, 0.3F, 0.5F, 0.9F};
-  std::vector<PointLook> looks(5, {3.0F, 0.01F, {0.2F, 0.4F, 0.6F}});
+  std::vector<PointObservation> looks(5, {3.0F, 0.01F, {0.2F, 0.4F, 0.6F}});
   for (std::size_t i = 2; i < 5; ++i) looks[i] = {30.0F, 0.15F, {0.5F, 0.5F, 0.5F}};
   looks[3] = {29.0F, 0.145F, {0.7F, 0.5F, 0.1F}};
   EXPECT_EQ(join_by_footprint(points, looks, 0.1, 3.0), 1U);
@@ -123,7 +123,7 @@ TEST(JoinByFootprint, OnlyWhatNoPictureShowsApartBecomesOne) {
 TEST(LookAtPoints, APointCoversAsMuchAsItsDisc) {
   const ImageView view(camera(), at(0, 0, 0), at(0, 0, 0));
   const PointSet points = point_set({{0.005F, 0.005F, 1.0F}, {0.1F, 0.005F, 10.0F}});
-  std::vector<PointLook> looks(points.size());
+  std::vector<PointObservation> looks(points.size());
   const Coverage coverage = look_at_points(view, plain(0, 0, 1), points, 0.1, 1, looks);
   // 0.1 m are 10 px at 1 m, 1 px at 10 m: squares around the pixels of both.
   const Camera c = camera();
@@ -143,7 +143,7 @@ TEST(LookAtPoints, APointCoversAsMuchAsItsDisc) {
 
 TEST(JoinByFootprint, ZeroPixelsJoinNothingInVoxelsOfTheirOwn) {
   PointSet points = point_set({{0.05F, 0.0F, 0.0F}, {50.15F, 0.0F, 0.0F}, {50.25F, 0.0F, 0.0F}});
-  std::vector<PointLook> looks(3, {50.0F, 5.0F, {0.5F, 0.5F, 0.5F}});
+  std::vector<PointObservation> looks(3, {50.0F, 5.0F, {0.5F, 0.5F, 0.5F}});
   EXPECT_EQ(join_by_footprint(points, looks, 0.1, 0.0), 0U);
   EXPECT_EQ(points.size(), 3U);
 }
@@ -195,7 +195,7 @@ TEST(FarShell, NothingStandsWhereMostLooksMeetSomething) {
   FarShell shell(1.0, 500.0);
   const Eigen::Vector3d here = Eigen::Vector3d::Zero(), seldom(1, 0, 0), often(0, 1, 0), never(0, 0, 1);
   const auto look = [&](int times, const Eigen::Vector3d& way, const std::optional<Eigen::Vector3f>& colour) {
-    shell.add(std::vector<FarLook>(static_cast<std::size_t>(times), {here, way, colour}));
+    shell.add(std::vector<FarObservation>(static_cast<std::size_t>(times), {here, way, colour}));
   };
   look(3, seldom, {});
   look(1, seldom, Eigen::Vector3f::UnitZ());
@@ -212,7 +212,7 @@ TEST(FarShell, NothingStandsWhereMostLooksMeetSomething) {
 TEST(FarShell, AWholeSphereHasCellsOfEqualSizeAndNoDoubles) {
   constexpr double kSpacing_deg = 5.0;
   FarShell shell(kSpacing_deg, 300.0);
-  std::vector<FarLook> looks;
+  std::vector<FarObservation> looks;
   constexpr int kDirections = 200000;
   for (int i = 0; i < kDirections; ++i) {  // an even spiral
     const double z = 1.0 - 2.0 * (i + 0.5) / kDirections;
@@ -236,10 +236,10 @@ TEST(FarShell, AddsOnlyWhatNoPointExplains) {
       wall.emplace_back(0.1F * static_cast<float>(x), 0.1F * static_cast<float>(y), 10.0F);
   }
   const PointSet points = point_set(wall);
-  std::vector<PointLook> looks(points.size());
+  std::vector<PointObservation> looks(points.size());
   const Image image = plain(0, 0, 1);
   FarShell shell(1.0, 500.0);
-  shell.add(far_looks(view, image, look_at_points(view, image, points, 0.1, 2, looks)));
+  shell.add(far_observations(view, image, look_at_points(view, image, points, 0.1, 2, looks)));
   const std::vector<FarShell::Patch> patches = shell.patches(0.5);
   ASSERT_GT(patches.size(), 100U);
   for (const FarShell::Patch& patch : patches) {
@@ -259,10 +259,10 @@ Camera narrow_fisheye() {
 TEST(FarShell, LeavesOutPixelsWithoutARay) {
   const ImageView view(narrow_fisheye(), at(0, 0, 0), at(0, 0, 0));
   const PointSet nothing = point_set({});
-  std::vector<PointLook> looks;
+  std::vector<PointObservation> looks;
   const Image image = plain(0, 0, 1);
   FarShell shell(1.0, 500.0);
-  shell.add(far_looks(view, image, look_at_points(view, image, nothing, 0.1, 2, looks)));
+  shell.add(far_observations(view, image, look_at_points(view, image, nothing, 0.1, 2, looks)));
   const std::vector<FarShell::Patch> patches = shell.patches(0.5);
   ASSERT_GT(patches.size(), 100U);
   for (const FarShell::Patch& patch : patches) {

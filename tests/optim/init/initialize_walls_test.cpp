@@ -26,14 +26,14 @@ TEST(WallColumns, StandOnWhatIsUpright) {
   EXPECT_GE(columns.size(), 19U);
   EXPECT_LE(columns.size(), 21U);
   for (const WallColumn& column : columns) {
-    EXPECT_NEAR(column.place_m.y(), 7.03, 0.03);
+    EXPECT_NEAR(column.position_m.y(), 7.03, 0.03);
     EXPECT_NEAR(std::abs(column.normal.y()), 1.0, 0.02);
     EXPECT_NEAR(column.top_m, 2.97, 0.1);
   }
 }
 
-TEST(WallLooks, AgreeWhereMostDo) {
-  WallLooks looks;
+TEST(WallObservations, AgreeWhereMostDo) {
+  WallObservations looks;
   looks.add(10.0F, *grey(0.50F));
   looks.add(11.0F, *grey(0.52F));
   EXPECT_FALSE(looks.agreed());  // too few

@@ -1,5 +1,5 @@
 // Shapes of actors that are not rigid: who has one, and how it is learned.
-#include "optim/poses/actor_shapes.hpp"
+#include "optim/actors/actor_shapes.hpp"
 
 #include <cmath>
 #include <gtest/gtest.h>

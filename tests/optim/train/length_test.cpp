@@ -1,5 +1,5 @@
 // Trainings that decide how long they go on.
-#include "optim/length/length.hpp"
+#include "optim/train/length.hpp"
 
 #include <cmath>
 #include <fmt/format.h>

@@ -42,7 +42,7 @@ class MaskedTest : public test::SmallStreet {
     o.train.iterations = 30;
     o.train.lidar_every = 4;
     o.train.densify.epochs = 2.0;
-    o.train.look.color_grids = ColorGridsOf::kPictures;
+    o.train.appearance.color_grids = ColorGridsOf::kPictures;
     return o;
   }
 

@@ -65,7 +65,7 @@ TEST(Options, OfRenderingAreCheckedByKey) {
   refused("render.transmittance_cut: found -1", [](auto& o) { o.transmittance_cut = -1.0; });
   refused("render.camera_filter_px2: found 101", [](auto& o) { o.camera_filter_px2 = 101.0; });
   refused("render.camera_near_m: found 0, allowed 0.01 to 1000", [](auto& o) { o.camera_near_m = 0.0; });
-  refused("render.max_instances: found 0, allowed 1 or more", [](auto& o) { o.max_instances = 0; });
+  refused("render.max_pairs: found 0, allowed 1 or more", [](auto& o) { o.max_pairs = 0; });
   refused("render.projection: found another than unscented beside render.extent=exact", [](auto& o) {
     o.extent = Extent::kExact;
     o.projection = Projection::kLinearized;

@@ -4,7 +4,7 @@
 #include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/init/initialize.hpp"
-#include "optim/path/refined_path.hpp"
+#include "optim/data/refined_path.hpp"
 #include "optim/train/memory.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
@@ -49,7 +49,7 @@ TEST_F(ReadOnceTest, TheBudgetIsAShareOfWhatMayBeTaken) {
   TrainingOptions o;
   o.train.host_cache_bytes = 1'000'000;
   EXPECT_EQ(frame_budget(o), 1'000'000U);
-  o.stretches.host_memory_bytes = 4'000'000;
+  o.chunks.host_memory_bytes = 4'000'000;
   EXPECT_EQ(frame_budget(o), 500'000U);
   o.train.host_cache_bytes = 0;
   EXPECT_EQ(frame_budget(o), 0U);

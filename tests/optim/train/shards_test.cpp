@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "optim/ranks/rank_threads.hpp"
+#include "optim/train/ranks/rank_threads.hpp"
 #include "optim/train/memory.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
@@ -32,7 +32,7 @@ class ShardsTest : public test::SmallStreet {
     o.train.anchor.weight = 0.01;
     o.train.prune = {.weight = 0.05, .first = 0, .times = 2, .last_share = 0.75};
     o.train.actor_poses = {.learn = true, .shift_m = 1e-2};
-    o.train.look.color_grids = ColorGridsOf::kPictures;
+    o.train.appearance.color_grids = ColorGridsOf::kPictures;
     o.train.ray_drop.apart = 2;
     return o;
   }
@@ -107,8 +107,8 @@ TEST_F(ShardsTest, AStepTakesTheMeanOfItsFrames) {
   o.train.shards.rate_power = 0.0;
   o.train.densify.epochs = 0.0;
   o.train.ray_drop.rate = 0.0;                     // several steps of the function a sweep
-  o.train.look.color_grids = ColorGridsOf::kNone;  // each picture's moves once for each shard
-  o.train.beside.weight = 0.0;                     // each shard's from a place of its own
+  o.train.appearance.color_grids = ColorGridsOf::kNone;  // each picture's moves once for each shard
+  o.train.off_trajectory.weight = 0.0;                     // each shard's from a place of its own
   o.train.depth.weight = 0.0;                      // each shard's of a part of the sweep
   o.frames.held_out_every = 0;
   const auto scene = [&](int shards) {

@@ -62,7 +62,7 @@ double mean_gain(const ColorGrids& grids, std::size_t frame) {
 
 TEST_F(TrainerLook, SameSeedGivesTheSameBits) {
   TrainingOptions o = options(12);
-  o.train.look.color_grids = ColorGridsOf::kPictures;
+  o.train.appearance.color_grids = ColorGridsOf::kPictures;
   o.train.image.dissimilarity = 0.2;
   const auto train = [&] {
     Trainer trainer(test::device(), log_, scene_with_environment(), o);
@@ -110,7 +110,7 @@ TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
   const EnvironmentMap first_guess = scene.environment;
   for (float& texel : scene.environment.texels) texel = 0.0F;
   TrainingOptions o = options(80);
-  o.train.look.environment_rate = 0.05;
+  o.train.appearance.environment_rate = 0.05;
   Trainer trainer(test::device(), log_, scene, o);
   const TrainReport report = trainer.run();
   // The camera looks along +x: the middle of the texture, above the horizon.
@@ -129,7 +129,7 @@ TEST_F(TrainerLook, TheEnvironmentKeepsTheGroundsColoursAndIsNoStandInForIt) {
     Log log = log_;
     if (!has_lidars) log.sweeps.clear();
     TrainingOptions o = options(60);
-    o.train.depth.weight = o.train.beside.weight = 0.0;
+    o.train.depth.weight = o.train.off_trajectory.weight = 0.0;
     o.train.lidar_every = 1000;
     o.train.camera.log_scale /= 3.0;  // as slow as in a long training: else particles grow over the holes
     Trainer trainer(test::device(), log, start, o);
@@ -171,7 +171,7 @@ TEST_F(TrainerLook, WhatPicturesHardlyShowKeepsItsColours) {
   Scene start = scene_with_environment();
   const auto moves = [&](double least_share) {
     TrainingOptions o = options(8);
-    o.train.look.least_share = least_share;
+    o.train.appearance.least_share = least_share;
     Trainer trainer(test::device(), log_, start, o);
     EXPECT_EQ(trainer.run().rejected_gradients, 0U);
     std::vector<float> out = trainer.scene().environment.texels;
@@ -194,8 +194,8 @@ struct Look {
   Scene scene;
   double psnr_db = 0.0;
 };
-Look trained_look(const Log& log, const Scene& start, TrainingOptions options) {
-  options.train.look.grid_rate = 0.02;
+Look trained_appearance(const Log& log, const Scene& start, TrainingOptions options) {
+  options.train.appearance.grid_rate = 0.02;
   Trainer trainer(test::device(), log, start, options);
   const TrainReport report = trainer.run();
   return {trainer.scene(), report.last.psnr_db};
@@ -205,8 +205,8 @@ TEST_F(TrainerLook, CamerasHaveTintsOfTheirOwnWhereSeveralTrain) {
   Log log = flickering_log();
   const auto train = [&](ColorGridsOf grids) {
     TrainingOptions o = options(120);
-    o.train.look.color_grids = grids;
-    return trained_look(log, initial_scene(), o);
+    o.train.appearance.color_grids = grids;
+    return trained_appearance(log, initial_scene(), o);
   };
   // Of one camera there is nothing to tell apart but its training pictures.
   EXPECT_EQ(train(ColorGridsOf::kAuto).scene.color_grids.frames.size(), 5U);
@@ -228,8 +228,8 @@ TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
   const Log log = flickering_log();
   const auto train = [&](ColorGridsOf grids) {
     TrainingOptions o = options(120);
-    o.train.look.color_grids = grids;
-    return trained_look(log, initial_scene(), o);
+    o.train.appearance.color_grids = grids;
+    return trained_appearance(log, initial_scene(), o);
   };
   const auto [plain, plain_psnr_db] = train(ColorGridsOf::kNone);
   const auto [graded, graded_psnr_db] = train(ColorGridsOf::kPictures);
@@ -250,7 +250,7 @@ TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
 TEST_F(TrainerLook, GridsThatTakeFewStepsTakeLongOnes) {
   const Log log = flickering_log();
   TrainingOptions o = options(20);  // four a grid
-  o.train.look.color_grids = ColorGridsOf::kPictures;
+  o.train.appearance.color_grids = ColorGridsOf::kPictures;
   Trainer trainer(test::device(), log, initial_scene(), o);
   (void)trainer.run();
   const ColorGrids grids = trainer.scene().color_grids;
@@ -259,7 +259,7 @@ TEST_F(TrainerLook, GridsThatTakeFewStepsTakeLongOnes) {
   for (std::size_t i = 0; i < same.size(); ++i) {
     farthest = std::max(farthest, static_cast<double>(std::abs(grids.values[i] - same[i])));
   }
-  EXPECT_GT(farthest, 3.0 * 4.0 * o.train.look.grid_rate);  // Adam goes no farther than its rate in a step
+  EXPECT_GT(farthest, 3.0 * 4.0 * o.train.appearance.grid_rate);  // Adam goes no farther than its rate in a step
 }
 
 }  // namespace

@@ -56,14 +56,14 @@ TEST_F(TrainerStateTest, ResumedTrainingGivesTheSameBits) {
   Trainer other(Device::best(), log_, initial_scene(), o);
   EXPECT_THROW(other.resume(folder_ / "4.checkpoint", "settings=2\n"), Error);
   TrainingOptions plain = o;
-  plain.train.look.color_grids = ColorGridsOf::kNone;
+  plain.train.appearance.color_grids = ColorGridsOf::kNone;
   Trainer less(Device::best(), log_, initial_scene(), plain);
   EXPECT_THROW(less.resume(folder_ / "4.checkpoint", "settings=1\n"), Error);
 }
 
 TEST_F(TrainerStateTest, MemoryOfAppearanceIsEstimated) {
   TrainingOptions o = options(4);
-  o.train.look.color_grids = ColorGridsOf::kPictures;
+  o.train.appearance.color_grids = ColorGridsOf::kPictures;
   Scene scene = initial_scene();
   scene.environment = {32, 16, std::vector<float>(std::size_t{3} * 32 * 16, 0.5F)};
   const Device device = Device::best();
@@ -94,7 +94,7 @@ TEST_F(TrainerStateTest, MemoryIsEstimatedBeforeAndHoldsAfter) {
   {
     Trainer trainer(device, log_, scene, o);
     (void)trainer.run();
-    // No buffer is forgotten. What is not known before (slots of half empty tiles, instances of what is seen)
+    // No buffer is forgotten. What is not known before (slots of half empty tiles, pairs of what is seen)
     // is within a factor of two of what was told.
     for (const auto& [name, use] : device.memory_by_name()) {
       if (use.now == 0) continue;

@@ -7,7 +7,7 @@
 
 #include "host/device/render/options/quality.hpp"
 #include "optim/eval/evaluation.hpp"
-#include "optim/log/sensor_learning.hpp"
+#include "optim/data/sensor_learning.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/optim/small_street.hpp"

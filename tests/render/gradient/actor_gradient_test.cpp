@@ -135,7 +135,7 @@ WorstError worst_errors(ActorProblem& problem, const SceneCase& scene) {
   for (std::size_t a = 0; a < 2; ++a) {
     const ActorView held = problem.view().actors[a];
     const Vector3d* analytic[] = {
-        &poses[a].shift_start, &poses[a].turn_start, &poses[a].shift_end, &poses[a].turn_end};
+        &poses[a].shift_start, &poses[a].revolution_start, &poses[a].shift_end, &poses[a].turn_end};
     for (std::size_t part = 0; part < 4; ++part) {
       double scale = 0.0, error = 0.0;
       for (Eigen::Index k = 0; k < 3; ++k) {

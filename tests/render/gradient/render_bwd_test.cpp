@@ -145,9 +145,9 @@ INSTANTIATE_TEST_SUITE_P(All,
                                          GradientCase{test::kLidarMoving},
                                          GradientCase{test::kCameraRolling, true},
                                          GradientCase{test::kLidarMoving, true}),
-                         [](const auto& instance) {
-                           return std::string(instance.param.scene.name) +
-                                  (instance.param.compensated ? "_compensated" : "");
+                         [](const auto& pair) {
+                           return std::string(pair.param.scene.name) +
+                                  (pair.param.compensated ? "_compensated" : "");
                          });
 
 /// A camera of 16 x 16 pixels that spans +-2 mrad about +x: what it sees hardly varies.

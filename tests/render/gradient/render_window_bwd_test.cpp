@@ -141,7 +141,7 @@ INSTANTIATE_TEST_SUITE_P(
                     OrderCase{"camera_per_ray", test::kCameraStill, Order::kPerRay, 3, test::kCpuShape},
                     OrderCase{"lidar_window", test::kLidarMoving, Order::kWindow, 64, test::kCpuShape},
                     OrderCase{"lidar_per_ray_gpu", test::kLidarMoving, Order::kPerRay, 3, test::kGpuShape}),
-    [](const auto& instance) { return std::string(instance.param.name); });
+    [](const auto& pair) { return std::string(pair.param.name); });
 
 /// What a camera of 16 x 16 pixels that spans +-2 mrad sees of wide particles beside its axis: the same order
 /// for all rays, not that by range, and no two so near in it that a step swaps them.
@@ -225,7 +225,7 @@ TEST(GradientInOwnOrder, IsTheSameAFewTilesAtATime) {
     for (const std::size_t places : {std::size_t{1}, std::size_t{150}}) {
       pass.backward(particles, grads, {.replayed = places});
       EXPECT_EQ(pass.gradients().grads.download_double(), at_once);
-      EXPECT_LT(pass.gradients().replayed.count(), 512 * pass.buffers().binned.instances);
+      EXPECT_LT(pass.gradients().replayed.count(), 512 * pass.buffers().binned.pairs);
     }
   }
 }

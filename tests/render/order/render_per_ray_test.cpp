@@ -101,8 +101,8 @@ INSTANTIATE_TEST_SUITE_P(
                     OrderCase{test::kLidarMoving, Precision::kDouble, test::kDefaultShape, ShDirection::kRay},
                     OrderCase{
                         test::kLidarMoving, Precision::kFloat, test::kCpuShape, ShDirection::kParticle}),
-    [](const auto& instance) {
-      const OrderCase& c = instance.param;
+    [](const auto& pair) {
+      const OrderCase& c = pair.param;
       return std::string(c.scene.name) + (c.precision == Precision::kFloat ? "_float" : "_double") +
              "_lanes" + std::to_string(c.shape.lanes);
     });

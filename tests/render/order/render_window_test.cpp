@@ -142,8 +142,8 @@ INSTANTIATE_TEST_SUITE_P(
         WindowCase{test::kCameraStill, Precision::kFloat, test::kCpuShape, ShDirection::kParticle},
         WindowCase{test::kCameraStill, Precision::kFloat, test::kGpuShape, ShDirection::kParticle},
         WindowCase{test::kLidarMoving, Precision::kFloat, test::kCpuShape, ShDirection::kRay}),
-    [](const auto& instance) {
-      const WindowCase& c = instance.param;
+    [](const auto& pair) {
+      const WindowCase& c = pair.param;
       return std::string(c.scene.name) + (c.precision == Precision::kFloat ? "_float" : "_double") +
              "_lanes" + std::to_string(c.shape.lanes);
     });

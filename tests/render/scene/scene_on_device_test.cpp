@@ -169,8 +169,8 @@ Scene two_cars_and_a_place() {
   for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
     for (std::size_t i = 0; i < set->actor.size(); ++i) {
       if (set->actor[i] != 0) continue;
-      if (i % 5 == 0) set->actor[i] = number_behind(scene, 0);
-      if (i % 5 == 1) set->actor[i] = number_instead(scene, 0);
+      if (i % 5 == 0) set->actor[i] = disoccluded_number(scene, 0);
+      if (i % 5 == 1) set->actor[i] = inpainted_number(scene, 0);
     }
   }
   return scene;
@@ -196,7 +196,7 @@ TEST(SceneOnDevice, EditsShowWhatIsThereInsteadOfWhatWasHidden) {
     if (removed) remove_actor(plain, "near");
     return plain;
   };
-  const std::uint32_t behind = number_behind(scene.scene(), 0), instead = number_instead(scene.scene(), 0);
+  const std::uint32_t behind = disoccluded_number(scene.scene(), 0), instead = inpainted_number(scene.scene(), 0);
   const auto expect_near = [](const RayResults& a, const RayResults& b) {
     ASSERT_EQ(a.rays, b.rays);
     for (std::size_t i = 0; i < a.rays; ++i) {
@@ -221,13 +221,13 @@ TEST(SceneOnDevice, EditsShowWhatIsThereInsteadOfWhatWasHidden) {
 }
 
 /// two_cars(), each third of whose background is seen from another place.
-Scene two_cars_and_vistas() {
+Scene two_cars_and_visibility_sets() {
   Scene scene = test::two_cars();
   for (const double x : {-1.5, 1.5, 6.5})
-    scene.vistas.push_back({{scene.origin + Eigen::Vector3d(x, 0.0, 0.0)}});
+    scene.visibility_sets.push_back({{scene.origin + Eigen::Vector3d(x, 0.0, 0.0)}});
   for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
     for (std::size_t i = 0; i < set->actor.size(); ++i) {
-      if (set->actor[i] == 0) set->actor[i] = number_of_vista(scene, i % 3);
+      if (set->actor[i] == 0) set->actor[i] = number_of_visibility_set(scene, i % 3);
     }
   }
   return scene;
@@ -235,16 +235,16 @@ Scene two_cars_and_vistas() {
 
 TEST(SceneOnDevice, AVistaIsSeenFromItsPlaceAndFadesBeyond) {
   const Device& device = test::device();
-  SceneOnDevice scene(device, two_cars_and_vistas());
-  // The same without vistas: particles as opaque as they are seen from there.
+  SceneOnDevice scene(device, two_cars_and_visibility_sets());
+  // The same without visibility_sets: particles as opaque as they are seen from there.
   const auto plain_at = [](const std::vector<double>& shares) {
-    Scene plain = two_cars_and_vistas();
+    Scene plain = two_cars_and_visibility_sets();
     for (GaussianSet* set : {&plain.camera, &plain.lidar}) {
       std::vector<Eigen::Index> kept;
       for (std::size_t i = 0; i < set->actor.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
         std::uint32_t& number = set->actor[i];
-        const double share = number <= 2 ? 1.0 : shares[number - number_of_vista(plain, 0)];
+        const double share = number <= 2 ? 1.0 : shares[number - number_of_visibility_set(plain, 0)];
         if (number > 2) number = 0;
         if (share == 0.0) continue;
         kept.push_back(row);
@@ -254,7 +254,7 @@ TEST(SceneOnDevice, AVistaIsSeenFromItsPlaceAndFadesBeyond) {
       }
       *set = subset(*set, kept);
     }
-    plain.vistas.clear();
+    plain.visibility_sets.clear();
     return plain;
   };
   for (const Sensor& sensor : {test::camera(), test::lidar()}) {
@@ -263,7 +263,7 @@ TEST(SceneOnDevice, AVistaIsSeenFromItsPlaceAndFadesBeyond) {
       Shot shot = shot_of(sensor, 0.13);
       shot.world_from_sensor_start.translation.x() += ahead_m;
       shot.world_from_sensor_end.translation.x() += ahead_m;
-      auto shares = vista_shares(scene.scene().vistas, shot.pose_at(0.5).translation);
+      auto shares = visibility_shares(scene.scene().visibility_sets, shot.pose_at(0.5).translation);
       EXPECT_EQ(shares[0] > 0.0, ahead_m < 3.2);  // one goes, one comes
       EXPECT_EQ(shares[2] > 0.0, ahead_m > 0.6);
       if (!sensor.is_camera()) shares.assign(3, 1.0);  // LiDARs see all of them

@@ -282,7 +282,7 @@ Option& Option::one_at_a_time() {
   return *this;
 }
 
-Option& Option::parted_by_commas() {
+Option& Option::comma_separated() {
   option_->allow_extra_args(false)->delimiter(',');
   return *this;
 }
@@ -291,6 +291,11 @@ Option& Option::answers(const std::string& value, std::function<void()> answer) 
   option_->each([value, answer = std::move(answer)](const std::string& given) {
     if (given == value) throw Answer{answer};
   });
+  return *this;
+}
+
+Option& Option::on_each(std::function<void(const std::string&)> on_value) {
+  option_->each(std::move(on_value));
   return *this;
 }
 

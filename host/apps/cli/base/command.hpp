@@ -51,9 +51,11 @@ class Option {
   /// Of a vector: one value each time that the option is given, any number of times.
   Option& one_at_a_time();
   /// The same, and a value may be several with commas between them.
-  Option& parted_by_commas();
+  Option& comma_separated();
   /// For this value nothing is run or required: `answer` is, once the whole command line has been read.
   Option& answers(const std::string& value, std::function<void()> answer);
+  /// Calls `on_value` with each value that the command line gives.
+  Option& on_each(std::function<void(const std::string&)> on_value);
   /// Not together with the option of that name, which stands before this one.
   Option& excludes(const std::string& name);
 

@@ -61,7 +61,7 @@ Mounting parse_mounting(const char* option, const std::string& text) {
   return {v.head<3>(), v[3], v[4], v[5]};
 }
 
-SceneFile read_told_scene(const std::filesystem::path& path) {
+SceneFile read_scene_and_report(const std::filesystem::path& path) {
   SceneFile scene = read_scene(path);
   for (const std::string& note : scene.splats.notes()) std::cerr << fmt::format("simuli: note: {}\n", note);
   return scene;
@@ -137,10 +137,10 @@ void apply(const Edits& edits, SceneFile& file) {
       }
       need_name(parts[1], "--add " + edit, "name");
       const Pose base = standing_pose(file.world_from_rig);
-      add_actor(scene, as_actor(read_told_scene(parts[0]).scene, parts[1], base), parts[1], parts[1]);
+      add_actor(scene, as_actor(read_scene_and_report(parts[0]).scene, parts[1], base), parts[1], parts[1]);
       continue;
     }
-    add_actor(scene, read_told_scene(parts[0]).scene, parts[1], parts.back());
+    add_actor(scene, read_scene_and_report(parts[0]).scene, parts[1], parts.back());
   }
   for (const std::string& edit : edits.duplicate) {
     const auto parts = parts_of("--duplicate", edit, 2, 2, "ACTOR:NAME");

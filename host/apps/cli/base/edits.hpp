@@ -28,7 +28,7 @@ struct Edits {
 [[nodiscard]] Mounting parse_mounting(const char* option, const std::string& text);
 
 /// read_scene(); a note on stderr says how many broken particles of a file of splats that left out.
-[[nodiscard]] SceneFile read_told_scene(const std::filesystem::path& path);
+[[nodiscard]] SceneFile read_scene_and_report(const std::filesystem::path& path);
 
 void add_edit_options(Command sub, Edits& edits);
 /// Each as it is given, in the order in which they are applied: "--remove car".

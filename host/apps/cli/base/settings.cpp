@@ -1,6 +1,9 @@
 #include "host/apps/cli/base/settings.hpp"
 
+#include <fmt/format.h>
 #include <iostream>
+#include <set>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -41,6 +44,11 @@ void add_settings(Command command,
                   std::function<Fields()> fields,
                   const std::string& help) {
   command.option("--set", settings, help)
+      .on_each([reported = std::set<std::string>()](const std::string& setting) mutable {
+        const std::string key = setting.substr(0, setting.find('=')), current = Fields::current_key(key);
+        if (key == current || !reported.insert(key).second) return;
+        std::cerr << fmt::format("simuli: --set {} is now called {}\n", key, current);
+      })
       .answers("help",
                [&globals, fields] {
                  std::cout << (globals.json ? json_text(help_json(fields())) + '\n' : fields().help());

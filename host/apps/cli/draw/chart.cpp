@@ -103,7 +103,7 @@ const char* colour_of(std::size_t series) { return kColours[series % kColours.si
 
 std::string curves_svg(const std::string& x_label, const std::vector<ChartSeries>& series) {
   constexpr std::size_t kMostMarks = 60;
-  constexpr std::ptrdiff_t kMostTold = 2;
+  constexpr std::ptrdiff_t kMaxReported = 2;
   Span x;
   std::vector<double> values;
   std::size_t drawn = 0;
@@ -156,7 +156,7 @@ std::string curves_svg(const std::string& x_label, const std::vector<ChartSeries
             series[s].x[i],
             value);
         // The values of few can be read; those of a curve that comes from far away would hide each other.
-        if (told <= kMostTold) {
+        if (told <= kMaxReported) {
           drawing.text(at_x + 6.0, is_above ? at_y + 8.0 : at_y - 2.0, "start", value_text(value));
         }
         continue;

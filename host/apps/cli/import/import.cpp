@@ -40,7 +40,7 @@ std::string beams_line(const KittiReport& r) {
                      r.rays);
 }
 
-Lines tell_kitti(const KittiReport& r) {
+Lines print_kitti(const KittiReport& r) {
   Lines lines;
   for (const KittiGaps& gaps : r.gaps) {
     lines.push_back(fmt::format("{}: nothing recorded in {} of the frames: {}",
@@ -60,12 +60,12 @@ Lines tell_kitti(const KittiReport& r) {
   return lines;
 }
 
-Lines tell_kitti360(const Kitti360Report& r) {
+Lines print_kitti360(const Kitti360Report& r) {
   return {fmt::format("{} pictures and sweeps are absent, {} without a pose", r.absent, r.unposed),
           beams_line(r.points)};
 }
 
-Lines tell_photos(const PhotoReport& r) {
+Lines print_photos(const PhotoReport& r) {
   Lines lines{fmt::format("{} photographs ({} named but absent), {} points, {:.4g} m per unit",
                           r.photos,
                           r.absent,
@@ -87,21 +87,21 @@ void add_photos(Command command,
               options->metres_per_unit,
               "size of the world; default: points 10 m away, or steps of 0.5 m between photographs")
       .positive();
-  add_run<PhotoReport>(command, name, options, globals, run, tell_photos);
+  add_run<PhotoReport>(command, name, options, globals, run, print_photos);
 }
 
-Lines tell_nuscenes(const NuscenesReport& r) {
+Lines print_nuscenes(const NuscenesReport& r) {
   Lines lines = r.hidden;
   lines.push_back(
       fmt::format("{} named files are absent; {} of {} rays returned", r.absent, r.returned, r.rays));
   return lines;
 }
 
-Lines tell_waymo(const WaymoReport& r) {
+Lines print_waymo(const WaymoReport& r) {
   return {fmt::format("{} frames; {} of {} rays returned", r.frames, r.returned, r.rays)};
 }
 
-Lines tell_points(const PointReport& r) {
+Lines print_points(const PointReport& r) {
   Lines lines = r.notes;
   lines.push_back(points_line(r));
   return lines;
@@ -157,7 +157,7 @@ void need_output(std::filesystem::path& output, bool is_survey) {
   if (output.empty() && !is_survey) refuse("--output", "", "a folder to write, or --survey");
 }
 
-void tell_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json) {
+void print_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json) {
   if (!is_survey || !json) {
     for (const std::string& note : notes) (is_survey ? std::cout : std::cerr) << on_one_line(note) << '\n';
   }
@@ -209,7 +209,7 @@ void add_import(Command app, const Globals& globals) {
           "--cameras",
           options->cameras,
           "of image_02 (left), image_03 (right) and the grey ones image_00 and image_01, parted by commas")
-      .parted_by_commas()
+      .comma_separated()
       .shown_as("NAME,...", "image_02");
   add_frames(kitti, options, "the drive's");
   kitti.option("--poses", options->poses, "JSON with world_from_velo per frame; default: poses from oxts");
@@ -227,7 +227,7 @@ void add_import(Command app, const Globals& globals) {
       [](const auto& asked, const auto& progress, KittiReport& r) {
         return import_kitti(asked, progress, &r);
       },
-      tell_kitti);
+      print_kitti);
 
   const auto kitti360 = std::make_shared<Kitti360Options>();
   Command sequence =
@@ -236,19 +236,19 @@ void add_import(Command app, const Globals& globals) {
   sequence.option("--sequence", kitti360->sequence, "as 2013_05_28_drive_0000_sync; default: the only one");
   add_frames(sequence, kitti360, "the sequence's");
   sequence.option("--beams", kitti360->lidar, "LiDAR file (simuli fit beams); default: KITTI's own table");
-  add_run<Kitti360Report>(sequence, "kitti360", kitti360, globals, import_kitti360, tell_kitti360);
+  add_run<Kitti360Report>(sequence, "kitti360", kitti360, globals, import_kitti360, print_kitti360);
 
   const auto nuscenes = std::make_shared<NuscenesOptions>();
   Command scene = import.command("nuscenes", "a scene of nuScenes: cameras, LIDAR_TOP, boxes");
   scene.option("DIR", nuscenes->root, "folder of the data set: tables, samples, sweeps").required();
   scene.option("--version", nuscenes->version, "folder of tables, as v1.0-mini; default: the only one");
   scene.option("--scene", nuscenes->scene, "as scene-0061; default: the only one");
-  add_run<NuscenesReport>(scene, "nuscenes", nuscenes, globals, import_nuscenes, tell_nuscenes);
+  add_run<NuscenesReport>(scene, "nuscenes", nuscenes, globals, import_nuscenes, print_nuscenes);
 
   const auto waymo = std::make_shared<WaymoOptions>();
   Command segment = import.command("waymo", "a segment of the Waymo Open Dataset: cameras, LiDAR TOP, boxes");
   segment.option("FILE", waymo->segment, ".tfrecord of frames (Perception, version 1)").required();
-  add_run<WaymoReport>(segment, "waymo", waymo, globals, import_waymo, tell_waymo);
+  add_run<WaymoReport>(segment, "waymo", waymo, globals, import_waymo, print_waymo);
 
   add_import_pandaset(import, globals);
   add_import_ros2(import, globals);
@@ -258,7 +258,7 @@ void add_import(Command app, const Globals& globals) {
   Command bare = import.command("points", "a drive of your own: points.json, lists of points, pictures");
   bare.option("DIR", points->folder, "folder with points.json (format: io/import/points/points_log.hpp)")
       .required();
-  add_run<PointReport>(bare, "points", points, globals, import_points, tell_points);
+  add_run<PointReport>(bare, "points", points, globals, import_points, print_points);
 
   const auto colmap = std::make_shared<ColmapOptions>();
   Command sub = import.command("colmap", "a COLMAP model with its photographs");

@@ -13,7 +13,7 @@ struct NcoreCommand : NcoreOptions {
   std::vector<std::string> lidar_tables;
 };
 
-std::vector<std::string> tell_ncore(const NcoreReport& r) {
+std::vector<std::string> print_ncore(const NcoreReport& r) {
   std::vector<std::string> lines = r.notes;
   const auto left_out = [&](std::size_t count, const char* what) {
     if (count > 0) lines.push_back(fmt::format("left out: {} {}", count, what));
@@ -38,10 +38,10 @@ void add_import_ncore(Command import, const Globals& globals) {
              ".zarr folder, .zarr.itar, a folder of several, or the .json that lists them")
       .required();
   sub.option("--cameras", command->cameras, "these alone, parted by commas")
-      .parted_by_commas()
+      .comma_separated()
       .shown_as("NAME,...", "all");
   sub.option("--lidars", command->lidars, "these alone, parted by commas")
-      .parted_by_commas()
+      .comma_separated()
       .shown_as("NAME,...", "all");
   sub.option("--lidar",
              command->lidar_tables,
@@ -63,7 +63,7 @@ void add_import_ncore(Command import, const Globals& globals) {
         }
         return import_ncore(asked, progress, r);
       },
-      tell_ncore);
+      print_ncore);
 }
 
 }  // namespace simuli::cli

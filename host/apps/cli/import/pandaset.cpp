@@ -10,7 +10,7 @@
 namespace simuli::cli {
 namespace {
 
-std::vector<std::string> tell_pandaset(const PandasetReport& r) {
+std::vector<std::string> print_pandaset(const PandasetReport& r) {
   std::vector<std::string> lines;
   for (const PandasetGap& gap : r.gaps) {
     lines.push_back(fmt::format("{}: nothing recorded in {} of the frames: {}",
@@ -66,13 +66,13 @@ void add_import_pandaset(Command import, const Globals& globals) {
   Command sub = import.command("pandaset", "a sequence of PandaSet: cameras, Pandar64, PandarGT, boxes");
   sub.option("DIR", options->sequence, "folder of one sequence: camera, lidar, annotations").required();
   sub.option("--cameras", options->cameras, "these alone, parted by commas")
-      .parted_by_commas()
+      .comma_separated()
       .shown_as("NAME,...", "all");
   sub.option("--lidars", options->lidars, "of pandar64 and pandargt, parted by commas")
-      .parted_by_commas()
+      .comma_separated()
       .shown_as("NAME,...", "both");
   add_frames(sub, options, "the sequence's");
-  add_run<PandasetReport>(sub, "pandaset", options, globals, import_pandaset, tell_pandaset);
+  add_run<PandasetReport>(sub, "pandaset", options, globals, import_pandaset, print_pandaset);
 }
 
 }  // namespace simuli::cli

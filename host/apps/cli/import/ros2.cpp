@@ -65,7 +65,7 @@ Log import_recording(Ros2Command asked,
   return import_ros2(asked, progress, report);
 }
 
-std::vector<std::string> tell_ros2(const Ros2Report& r) {
+std::vector<std::string> print_ros2(const Ros2Report& r) {
   std::vector<std::string> lines = r.notes;
   if (r.unposed > 0)
     lines.push_back(fmt::format("{} clouds and pictures lie beside the path and are left out", r.unposed));
@@ -114,7 +114,7 @@ void add_import_ros2(Command import, const Globals& globals) {
          "--cameras",
          command->cameras,
          "topics of Image or CompressedImage, parted by commas; default: all with a camera_info beside them")
-      .parted_by_commas()
+      .comma_separated()
       .shown_as("TOPIC,...", "");
   sub.option("--camera",
              command->files,
@@ -125,10 +125,10 @@ void add_import_ros2(Command import, const Globals& globals) {
   sub.option("--topics",
              command->topics,
              "that alone are read, parted by commas, of transforms and camera_infos, too; default: all")
-      .parted_by_commas()
+      .comma_separated()
       .shown_as("TOPIC,...", "");
   sub.option("--ignore", command->ignore, "topics that are not read, parted by commas")
-      .parted_by_commas()
+      .comma_separated()
       .shown_as("TOPIC,...", "")
       .excludes("--topics");
   sub.option("--rig-frame", options.rig_frame, "the vehicle's frame").with_default();
@@ -153,7 +153,7 @@ void add_import_ros2(Command import, const Globals& globals) {
              "FIELD:UNIT[:absolute], UNIT s, ms, us, ns; default: as the drivers name it");
   sub.option(
       "--intensity", options.intensity, "FIELD:MOST; default: intensity:255, of Ouster reflectivity:255");
-  add_run<Ros2Report>(sub, "mcap", command, globals, import_recording, tell_ros2);
+  add_run<Ros2Report>(sub, "mcap", command, globals, import_recording, print_ros2);
 }
 
 }  // namespace simuli::cli

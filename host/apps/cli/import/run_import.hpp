@@ -19,7 +19,7 @@ namespace simuli::cli {
 
 /// What became of what was recorded, a line each, then the log. The lines of an import are on stderr, of a survey
 /// on stdout; JSON has them as "notes", too.
-void tell_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json);
+void print_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json);
 
 /// --output and --survey, which leaves `output` empty once `command` runs; Error{kUsage} then without either.
 inline void add_output(Command command, std::filesystem::path& output, bool& is_survey, const char* made) {
@@ -48,7 +48,7 @@ void add_run(Command command,
     Report report;
     const Log log = run(asked, progress.callback(), report);
     progress.finish();
-    tell_import(log, tell(report), *is_survey, globals.json);
+    print_import(log, tell(report), *is_survey, globals.json);
   });
 }
 

@@ -162,21 +162,21 @@ std::size_t particles_of(const Scene& scene, std::uint32_t number) {
   return count;
 }
 
-Json vistas_json(const Scene& scene) {
+Json visibility_sets_json(const Scene& scene) {
   Json all = Json::array();
-  for (std::size_t i = 0; i < scene.vistas.size(); ++i) {
-    all.push_back({{"particles", particles_of(scene, number_of_vista(scene, i))}});
+  for (std::size_t i = 0; i < scene.visibility_sets.size(); ++i) {
+    all.push_back({{"particles", particles_of(scene, number_of_visibility_set(scene, i))}});
   }
   return all;
 }
 
-std::string vistas_text(const Scene& scene) {
-  if (scene.vistas.empty()) return {};
+std::string visibility_sets_text(const Scene& scene) {
+  if (scene.visibility_sets.empty()) return {};
   std::size_t particles = 0;
-  for (std::size_t i = 0; i < scene.vistas.size(); ++i)
-    particles += particles_of(scene, number_of_vista(scene, i));
+  for (std::size_t i = 0; i < scene.visibility_sets.size(); ++i)
+    particles += particles_of(scene, number_of_visibility_set(scene, i));
   return fmt::format("  {} stretches of the path, each with what cameras see from it: {} particles\n",
-                     scene.vistas.size(),
+                     scene.visibility_sets.size(),
                      particles);
 }
 
@@ -185,9 +185,9 @@ Json occluders_json(const Scene& scene) {
   const std::vector<Occluder> occluders = occluders_of(scene);
   for (std::size_t i = 0; i < occluders.size(); ++i) {
     Json occluder = {{"actor", occluders[i].actor->name},
-                     {"behind", particles_of(scene, number_behind(scene, i))},
-                     {"instead", particles_of(scene, number_instead(scene, i))}};
-    if (occluders[i].vista) occluder["vista"] = *occluders[i].vista;
+                     {"behind", particles_of(scene, disoccluded_number(scene, i))},
+                     {"instead", particles_of(scene, inpainted_number(scene, i))}};
+    if (occluders[i].visibility_set) occluder["vista"] = *occluders[i].visibility_set;
     all.push_back(std::move(occluder));
   }
   return all;
@@ -199,8 +199,8 @@ std::string occluders_text(const Scene& scene) {
   for (std::size_t i = 0; i < occluders.size(); ++i) {
     text += fmt::format("  where {} was recorded: {} particles behind it, {} others once it is moved away\n",
                         occluders[i].actor->name,
-                        particles_of(scene, number_behind(scene, i)),
-                        particles_of(scene, number_instead(scene, i)));
+                        particles_of(scene, disoccluded_number(scene, i)),
+                        particles_of(scene, inpainted_number(scene, i)));
   }
   return text;
 }
@@ -267,7 +267,7 @@ void print_scene(const SceneFile& file, bool json) {
                   {"sensors", sensors_json(SensorRig(file))},
                   {"recorded_frames", recorded_json(file.recorded_frames)},
                   {"actors", actors_json(scene.actors, file.world_from_rig, nullptr)},
-                  {"vistas", vistas_json(scene)},
+                  {"vistas", visibility_sets_json(scene)},
                   {"occluders", occluders_json(scene)},
                   {"training", file.training ? simuli::to_json(*file.training) : Json()}});
   }
@@ -276,7 +276,7 @@ void print_scene(const SceneFile& file, bool json) {
             << fmt::format("  pixels widen the camera set by {:.4f} px2\n", scene.camera_filter_px2)
             << trajectory_text(file.world_from_rig)
             << sensors_text(file.cameras, file.lidars, file.recorded_frames)
-            << actors_text(scene.actors, file.world_from_rig, nullptr) << vistas_text(scene)
+            << actors_text(scene.actors, file.world_from_rig, nullptr) << visibility_sets_text(scene)
             << occluders_text(scene);
   if (!file.training) return;
   std::cout << "  trained\n";

@@ -367,7 +367,7 @@ bool may_see(const Sensor& sensor, const Shot& shot, const Actor& actor) {
 }
 
 /// Tells of actors that edits have put in and that no frame shows.
-void tell_unseen(const std::vector<Actor>& recorded,
+void print_unseen(const std::vector<Actor>& recorded,
                  const std::vector<Actor>& actors,
                  const std::vector<SensorPlan>& views) {
   for (const Actor& actor : actors) {
@@ -391,7 +391,7 @@ void render(RenderCommand command, const Globals& globals) {
   RenderOptions options = options_of(globals.quality);
   fields_of(options).apply(command.settings);
   validate(options);
-  SceneFile file = read_told_scene(command.scene);
+  SceneFile file = read_scene_and_report(command.scene);
   warn_unlike_training(file, options);
   const std::vector<Actor> actors_before = file.scene.actors;
   apply(command.edits, file);
@@ -402,7 +402,7 @@ void render(RenderCommand command, const Globals& globals) {
         "-o", fmt::format("\"{}\" for {} sensors", command.output, views.size()), "a folder, or one sensor");
   }
   need_clouds(command.files, views);
-  tell_unseen(actors_before, file.scene.actors, views);
+  print_unseen(actors_before, file.scene.actors, views);
   const std::unique_ptr<const RecordedViews> recorded = recorded_views(command, file);
   std::size_t frames = 0, done = 0;
   for (const SensorPlan& view : views) frames += view.plan.spans.size();

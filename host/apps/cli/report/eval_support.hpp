@@ -5,7 +5,7 @@
 #include <string>
 
 #include "optim/eval/evaluation.hpp"
-#include "optim/support/support_reliability.hpp"
+#include "optim/complete/support_reliability.hpp"
 
 namespace simuli::cli {
 

@@ -123,7 +123,7 @@ void warn(const TrainReport& report) {
   }
 }
 
-std::string plan_text(const StretchPlan& plan) {
+std::string plan_text(const ChunkPlan& plan) {
   const std::string cut = plan.count > 1 ? fmt::format("{} stretches of {:.0f} m", plan.count, plan.length_m)
                                          : fmt::format("one piece of {:.0f} m", plan.length_m);
   return fmt::format(
@@ -204,7 +204,7 @@ TrainHistory run_training(Training& training,
       std::cerr << fmt::format("simuli: the start is kept from before: {} saved\n", format_duration(saved_s));
     if (!outputs.frames.empty()) std::cerr << fmt::format("simuli: frames to train on: {}\n", outputs.frames);
   }
-  if (const StretchPlan& plan = training.report().stretches; plan.count > 0 && ranks.is_first()) {
+  if (const ChunkPlan& plan = training.report().chunks; plan.count > 0 && ranks.is_first()) {
     std::cerr << plan_text(plan) << '\n';
   }
   TrainHistory history;

@@ -119,7 +119,7 @@ std::string name_of_frame(const ImageFrame& frame) {
 void add_lanes(Album& album, const Take& take, const std::string& name) {
   for (const double left_m : kLaneShifts_m) {
     album.add(take.camera,
-              take.shot.beside(take.camera.rig_from_sensor(), left_m),
+              take.shot.shifted_left(take.camera.rig_from_sensor(), left_m),
               fmt::format("{}, the rig {:g} m to the {} of where it drove",
                           name,
                           std::abs(left_m),

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "optim/ranks/ranks.hpp"
+#include "optim/train/ranks/ranks.hpp"
 
 namespace simuli::cli {
 

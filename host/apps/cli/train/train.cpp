@@ -32,8 +32,8 @@
 #include "io/scene/scene_folder.hpp"
 #include "io/scene/scene_output.hpp"
 #include "optim/eval/held_out_scores.hpp"
-#include "optim/ranks/rank_threads.hpp"
-#include "optim/stretch/stretch_parts.hpp"
+#include "optim/train/ranks/rank_threads.hpp"
+#include "optim/train/chunk/chunk_parts.hpp"
 #include "optim/train/training.hpp"
 
 namespace simuli::cli {
@@ -221,7 +221,7 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
     std::error_code ignored;  // nobody needs it any more, and the scene is there
     const std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
     std::filesystem::remove(checkpoint, ignored);
-    for (std::size_t i = 0; std::filesystem::remove(stretch_file(checkpoint, i), ignored); ++i) {
+    for (std::size_t i = 0; std::filesystem::remove(chunk_file(checkpoint, i), ignored); ++i) {
     }
   }
   const std::optional<HeldOutScores> held_out =
@@ -270,7 +270,7 @@ void train_launched(const TrainCommand& command,
 
 void train_on_ranks(TrainCommand command, const Globals& globals) {
   TrainingOptions& options = command.options;
-  options.keep_start = !command.new_start;
+  options.cache_initialization = !command.new_start;
   options.train.render = training_options_of(globals.quality);
   fields_of(options).apply(command.settings);
   static_cast<void>(checked(options));
@@ -342,7 +342,7 @@ void add_train(Command app, const Globals& globals) {
   };
   add_memory(
       "--host-memory",
-      [command](std::size_t bytes) { command->options.stretches.host_memory_bytes = bytes; },
+      [command](std::size_t bytes) { command->options.chunks.host_memory_bytes = bytes; },
       "that the training may need, as 6GB: a long drive is cut into stretches that fit (host_memory_bytes)");
   add_memory(
       "--device-memory",

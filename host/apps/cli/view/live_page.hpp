@@ -5,7 +5,7 @@
 
 #include "host/apps/cli/base/commands.hpp"
 #include "io/scene/scene_folder.hpp"
-#include "optim/report/train_report.hpp"
+#include "optim/train/train_report.hpp"
 
 namespace simuli::cli {
 

@@ -56,7 +56,7 @@ void view_log(const ViewCommand& command) {
 
 void view(const ViewCommand& command, const Globals& globals) {
   if (is_there(std::filesystem::path(command.scene) / "log.json")) return view_log(command);
-  SceneFile file = read_told_scene(command.scene);
+  SceneFile file = read_scene_and_report(command.scene);
   if (file.world_from_rig.poses().empty()) {
     throw_input_error(command.scene, "trajectory", "no poses", "at least one");
   }

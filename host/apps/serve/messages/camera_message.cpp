@@ -128,7 +128,7 @@ Windshield windshield_of(const proto::BivariateWindshieldModelParameters& p) {
           all(p.vertical_poly_inverse())};
 }
 
-void tell_windshield(const Windshield& glass, proto::BivariateWindshieldModelParameters& p) {
+void print_windshield(const Windshield& glass, proto::BivariateWindshieldModelParameters& p) {
   using Param = proto::BivariateWindshieldModelParameters;
   p.set_reference_poly(glass.reference == Windshield::Reference::kForward ? Param::FORWARD : Param::BACKWARD);
   p.mutable_horizontal_poly()->Add(glass.horizontal.begin(), glass.horizontal.end());
@@ -138,15 +138,15 @@ void tell_windshield(const Windshield& glass, proto::BivariateWindshieldModelPar
 }
 
 template <class Parameters>
-void tell_focal(const Camera& camera, Parameters& p) {
+void print_focal(const Camera& camera, Parameters& p) {
   p.set_focal_length_x(camera.fx);
   p.set_focal_length_y(camera.fy);
   p.set_principal_point_x(camera.cx);
   p.set_principal_point_y(camera.cy);
 }
 
-void tell_pinhole(const Camera& camera, proto::OpenCVPinholeCameraParam& p) {
-  tell_focal(camera, p);
+void print_pinhole(const Camera& camera, proto::OpenCVPinholeCameraParam& p) {
+  print_focal(camera, p);
   std::vector<double> all = camera.lens.parameters();
   all.resize(13, 0.0);  // an ideal one has none
   for (const std::size_t i : {0, 1, 4, 5, 6, 7}) p.add_radial_coeffs(all[i]);
@@ -154,15 +154,15 @@ void tell_pinhole(const Camera& camera, proto::OpenCVPinholeCameraParam& p) {
   for (const std::size_t i : {8, 9, 10, 11}) p.add_thin_prism_coeffs(all[i]);
 }
 
-void tell_fisheye(const Camera& camera, proto::OpenCVFisheyeCameraParam& p) {
-  tell_focal(camera, p);
+void print_fisheye(const Camera& camera, proto::OpenCVFisheyeCameraParam& p) {
+  print_focal(camera, p);
   const std::vector<double>& all = camera.lens.parameters();
   for (std::size_t i = 0; i < 4; ++i) p.add_radial_coeffs(all[i]);
   p.set_max_angle(all[4]);
 }
 
 /// The reference polynomial alone.
-void tell_polynomial(const Camera& camera, proto::FthetaCameraParam& p) {
+void print_polynomial(const Camera& camera, proto::FthetaCameraParam& p) {
   const FthetaCamera ftheta = ftheta_of(camera);
   p.set_reference_poly(ftheta.is_inverse ? proto::FthetaCameraParam::PIXELDIST_TO_ANGLE
                                          : proto::FthetaCameraParam::ANGLE_TO_PIXELDIST);
@@ -191,14 +191,14 @@ proto::CameraSpec spec_of(const Camera& camera) {
   switch (camera.lens.kind()) {
     case LensKind::kPinhole:
     case LensKind::kOpencvPinhole:
-      tell_pinhole(camera, *spec.mutable_opencv_pinhole_param());
+      print_pinhole(camera, *spec.mutable_opencv_pinhole_param());
       break;
     case LensKind::kOpencvFisheye:
-      tell_fisheye(camera, *spec.mutable_opencv_fisheye_param());
+      print_fisheye(camera, *spec.mutable_opencv_fisheye_param());
       break;
     case LensKind::kFtheta:
     case LensKind::kFthetaInverse:
-      tell_polynomial(camera, *spec.mutable_ftheta_param());
+      print_polynomial(camera, *spec.mutable_ftheta_param());
       break;
     case LensKind::kMei:
     case LensKind::kEquirectangular:
@@ -207,7 +207,7 @@ proto::CameraSpec spec_of(const Camera& camera) {
       break;
   }
   if (camera.lens.windshield()) {
-    tell_windshield(*camera.lens.windshield(), *spec.mutable_bivariate_windshield_model_param());
+    print_windshield(*camera.lens.windshield(), *spec.mutable_bivariate_windshield_model_param());
   }
   return spec;
 }

@@ -28,7 +28,7 @@ double pixels_of(const proto::RGBRenderRequest& request) {
   return pixels > kMostPixels ? 0.0 : pixels;
 }
 
-void need_few(double pixels) {
+void check_limit(double pixels) {
   if (pixels <= kMostPixelsTogether) return;
   refuse("resolution",
          fmt::format("{:.0f} pixels of all pictures", pixels),
@@ -36,7 +36,7 @@ void need_few(double pixels) {
 }
 
 /// That of the protocol which is spoken here.
-void tell_api_version(proto_common::VersionId::APIVersion& version) {
+void print_api_version(proto_common::VersionId::APIVersion& version) {
   version.set_major(0);
   version.set_minor(0);
   version.set_patch(5);
@@ -59,7 +59,7 @@ Handlers::Handlers(RenderSession& session, EgoMasks ego_masks, std::string commi
 void Handlers::get_version(proto_common::VersionId& reply) const {
   reply.set_version_id(fmt::format("simuli {}", version()));
   reply.set_git_hash(commit_);
-  tell_api_version(*reply.mutable_grpc_api_version());
+  print_api_version(*reply.mutable_grpc_api_version());
 }
 
 void Handlers::get_available_scenes(proto_common::AvailableScenesReturn& reply) const {
@@ -232,7 +232,7 @@ void Handlers::render_rgb(const Call& call,
                           proto::RGBRenderReturn& reply) const {
   std::array<Picture, 1> one{prepare(call, request)};
   render(call, one);
-  need_wanted(call.is_given_up);
+  throw_if_cancelled(call.is_given_up);
   reply.set_image_bytes(encoded(one[0]));
 }
 
@@ -242,10 +242,10 @@ void Handlers::batch_render_rgb(const Call& call,
   need_at_most(request.items_size(), kMostItems, "items");
   double pixels = 0.0;
   for (const auto& item : request.items()) pixels += pixels_of(item.request());
-  need_few(pixels);
+  check_limit(pixels);
   std::vector<Picture> pictures(static_cast<std::size_t>(request.items_size()));
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    need_wanted(call.is_given_up);
+    throw_if_cancelled(call.is_given_up);
     try {
       pictures[i] = prepare(call, request.items(static_cast<int>(i)).request());
     } catch (...) {
@@ -254,7 +254,7 @@ void Handlers::batch_render_rgb(const Call& call,
   }
   render(call, pictures);
   for (std::size_t i = 0; i < pictures.size(); ++i) {
-    need_wanted(call.is_given_up);
+    throw_if_cancelled(call.is_given_up);
     auto& item = *reply.add_items();
     item.set_camera_name(request.items(static_cast<int>(i)).camera_name());
     try {
@@ -282,8 +282,8 @@ void Handlers::render_lidar(const Call& call,
       FrameJob{lidar, shot, [&](const Frame& rendered) { sweep = take_sweep(rendered, filter); }}};
   session_.render(*scene, job, call.is_given_up);
   if (job[0].error) std::rethrow_exception(job[0].error);
-  need_wanted(call.is_given_up);
-  tell_points(lidar.lidar(), sweep, shot, reply);
+  throw_if_cancelled(call.is_given_up);
+  print_points(lidar.lidar(), sweep, shot, reply);
 }
 
 void Handlers::render_aggregated(const Call& call,
@@ -293,12 +293,12 @@ void Handlers::render_aggregated(const Call& call,
   need_at_most(request.lidar_requests_size(), kMostSweeps, "lidar_requests");
   double pixels = 0.0;
   for (const auto& rgb : request.rgb_requests()) pixels += pixels_of(rgb);
-  need_few(pixels);
+  check_limit(pixels);
   std::vector<Picture> pictures;
   for (const auto& rgb : request.rgb_requests()) pictures.push_back(prepare(call, rgb));
   render(call, pictures);
   for (Picture& picture : pictures) {
-    need_wanted(call.is_given_up);
+    throw_if_cancelled(call.is_given_up);
     reply.add_rgb_returns()->set_image_bytes(encoded(picture));
   }
   for (const auto& lidar : request.lidar_requests()) render_lidar(call, lidar, *reply.add_lidar_returns());

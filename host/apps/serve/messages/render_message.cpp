@@ -166,7 +166,7 @@ LidarFrame take_sweep(const Frame& frame, const ReturnFilter& filter) {
   return lidar_frame(frame.sensor().lidar(), frame.sensor().rays(), results);
 }
 
-void tell_points(const LidarModel& lidar,
+void print_points(const LidarModel& lidar,
                  const LidarFrame& frame,
                  const Shot& shot,
                  proto::LidarRenderReturn& reply) {

@@ -52,7 +52,7 @@ struct ReturnFilter {
 
 /// A sweep's returns in the axes of the LiDAR at the shot's end.
 [[nodiscard]] LidarFrame take_sweep(const Frame& frame, const ReturnFilter& filter);
-void tell_points(const LidarModel& lidar,
+void print_points(const LidarModel& lidar,
                  const LidarFrame& frame,
                  const Shot& shot,
                  proto::LidarRenderReturn& reply);

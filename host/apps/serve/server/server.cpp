@@ -253,7 +253,7 @@ class Sensorsim final : public Base::Service {
     const FairQueue::Ticket worker = workers_.take(call.is_given_up);
     replies_.need_room(call.is_given_up);
     handlers_.metrics().add_time(RequestStage::kWorkerWait, watch.seconds());
-    need_wanted(call.is_given_up);
+    throw_if_cancelled(call.is_given_up);
     work(call);
   }
   /// One answer for all who ask the same of the same scenes meanwhile.

@@ -15,7 +15,7 @@ namespace {
 
 bool never_given_up() { return false; }
 
-void need_wanted(const IsGivenUp& is_given_up) {
+void throw_if_cancelled(const IsGivenUp& is_given_up) {
   if (is_given_up()) give_up();
 }
 

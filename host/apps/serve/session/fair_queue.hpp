@@ -15,7 +15,7 @@ using IsGivenUp = std::function<bool()>;
 [[nodiscard]] bool never_given_up();
 
 /// Refusal{kCancelled} once it says so.
-void need_wanted(const IsGivenUp& is_given_up);
+void throw_if_cancelled(const IsGivenUp& is_given_up);
 
 /// Up to `places` callers at a time, in the order in which they came. A handle: copies mean the same queue.
 class FairQueue {

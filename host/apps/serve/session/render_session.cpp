@@ -118,15 +118,15 @@ RenderSession::ScenePtr RenderSession::open(const std::string& id, const IsGiven
   if (source == options_.scenes.end()) {
     std::vector<std::string> known;
     for (const SceneSource& s : options_.scenes) known.push_back(s.id);
-    constexpr std::size_t kMostTold = 10;
-    const std::string allowed = known.size() <= kMostTold ? fmt::format("{}", fmt::join(known, ", "))
+    constexpr std::size_t kMaxReported = 10;
+    const std::string allowed = known.size() <= kMaxReported ? fmt::format("{}", fmt::join(known, ", "))
                                                           : fmt::format("one of {}", known.size());
     throw Refusal(RefusalKind::kNotFound,
                   fmt::format("scene_id: found \"{}\", {}allowed {}", id, did_you_mean(id, known), allowed));
   }
   const std::shared_future<ScenePtr> scene = keep(*source);
   constexpr std::chrono::milliseconds kAskAgain{20};
-  while (scene.wait_for(kAskAgain) != std::future_status::ready) need_wanted(is_given_up);
+  while (scene.wait_for(kAskAgain) != std::future_status::ready) throw_if_cancelled(is_given_up);
   try {
     return scene.get();
   } catch (const Error& error) {
@@ -253,7 +253,7 @@ void RenderSession::render_on_one(ServedScene& scene,
   };
   for (std::size_t i = next++; i < jobs.size(); i = next++) {
     FrameJob& job = jobs[i];
-    need_wanted(is_given_up);
+    throw_if_cancelled(is_given_up);
     try {
       Coming started{job, on_device->render(job.sensor, job.shot), {}};
       if (job.take) {

@@ -61,7 +61,7 @@ SharedWork::Result SharedWork::wait_for(const std::shared_ptr<Task>& task, const
       const std::lock_guard lock(mutex_);
       --task->wanting;
     }
-    need_wanted(is_given_up);
+    throw_if_cancelled(is_given_up);
   }
   return task->result.get();
 }

@@ -44,7 +44,7 @@ void UnreadReplies::need_room(const IsGivenUp& is_given_up) {
   std::unique_lock lock(mutex_);
   while (bytes_ > limits_.most_bytes) {
     changed_.wait_for(lock, kAskAgain);
-    need_wanted(is_given_up);
+    throw_if_cancelled(is_given_up);
   }
 }
 

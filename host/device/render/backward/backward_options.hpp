@@ -11,9 +11,9 @@ struct ColorGridScale {
 
 /// What a backward pass may give beside the gradients of particles, and what it may take.
 struct BackwardExtras {
-  bool errors = false;  // ray_error -> instance_error, weighted by blending
+  bool errors = false;  // ray_error -> pair_error, weighted by blending
   /// Where rays have orders of their own, what they blend is kept for tiles of together at most so many
-  /// instances at a time, at least for one tile: 2 KB each in float. Gradients are the same bits.
+  /// pairs at a time, at least for one tile: 2 KB each in float. Gradients are the same bits.
   std::size_t replayed = std::size_t{1} << 17U;
 };
 

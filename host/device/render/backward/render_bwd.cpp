@@ -15,7 +15,7 @@ struct TileRun {
   std::size_t places = 0;
 };
 std::vector<TileRun> tile_runs(const Binned& binned, std::uint32_t tiles, std::size_t most) {
-  if (binned.instances <= most) return {{0, tiles, binned.instances}};
+  if (binned.pairs <= most) return {{0, tiles, binned.pairs}};
   const std::vector<std::uint32_t> first = binned.first.download();
   std::vector<TileRun> runs;
   for (std::uint32_t tile = 0; tile < tiles; ++tile) {
@@ -86,9 +86,9 @@ void RenderBackwardStage::run(const shared::FrameParams& frame,
                               const FrameBuffers& made,
                               const BackwardExtras& extras,
                               GradientBuffers& gradients) {
-  const std::size_t instances = made.binned.instances;
-  if (extras.errors) gradients.instance_error.reserve(instances);
-  gradients.grads.reserve(instances * SIM_GRAD);
+  const std::size_t pairs = made.binned.pairs;
+  if (extras.errors) gradients.pair_error.reserve(pairs);
+  gradients.grads.reserve(pairs * SIM_GRAD);
   gradients.slot_first.reserve(frame.particles);
   Kernel& blend_back = kernel(extras);
   slot_counts_.run_over(frame.particles, {{"n", frame.particles}, made.projected, gradients});

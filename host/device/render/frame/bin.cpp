@@ -23,32 +23,32 @@ BinStage::BinStage(const Device& device, std::size_t work_items)
       scratch_(device),
       visible_count_(program_of(device, group_), "visible_count"),
       visible_write_(program_of(device, group_), "visible_write"),
-      instance_count_(program_of(device, group_), "instance_count"),
-      instance_emit_(program_of(device, group_), "instance_emit"),
+      pair_count_(program_of(device, group_), "pair_count"),
+      pair_emit_(program_of(device, group_), "pair_emit"),
       tile_ranges_(program_of(device, group_), "tile_ranges") {}
 
 void BinStage::run(const shared::FrameParams& frame,
                    const ParticleBuffers& particles,
                    const RayBuffers& rays,
                    const Projected& projected,
-                   std::size_t max_instances,
+                   std::size_t max_pairs,
                    Binned& out) {
   const std::uint32_t tiles = frame.tiles_x * frame.tiles_y;
   FrameSizes sizes{.particles = frame.particles, .tiles = tiles};
   out.visible = 0;
-  out.instances = 0;
-  if (frame.particles > 0) list_visible(particles, projected, max_instances, sizes, out);
+  out.pairs = 0;
+  if (frame.particles > 0) list_visible(particles, projected, max_pairs, sizes, out);
   out.reserve(sizes);
-  if (out.visible > 0) list_instances(frame, rays, projected, sizes, out);
-  const Chunks instances = chunks_of(device_, out.instances, group_);
-  tile_ranges_.run(std::max(instances.work_items, group_),
+  if (out.visible > 0) list_pairs(frame, rays, projected, sizes, out);
+  const Chunks pairs = chunks_of(device_, out.pairs, group_);
+  tile_ranges_.run(std::max(pairs.work_items, group_),
                    group_,
-                   {out, {"k", out.instances}, {"chunk", instances.chunk}, {"tiles", tiles}});
+                   {out, {"k", out.pairs}, {"chunk", pairs.chunk}, {"tiles", tiles}});
 }
 
 void BinStage::list_visible(const ParticleBuffers& particles,
                             const Projected& projected,
-                            std::size_t max_instances,
+                            std::size_t max_pairs,
                             FrameSizes& sizes,
                             Binned& out) {
   const auto n = static_cast<std::uint32_t>(sizes.particles);
@@ -60,17 +60,17 @@ void BinStage::list_visible(const ParticleBuffers& particles,
                      group_,
                      {projected, particles, {"paged", paged}, {"n", n}, {"chunk", chunks.chunk}, scratch_});
   const auto [visible, total] = scan_.run_two(scratch_.counts, static_cast<std::uint32_t>(chunks.work_items));
-  if (total > max_instances) {
+  if (total > max_pairs) {
     throw Error(ErrorKind::kDevice,
                 fmt::format("binning {} visible particles: found {} tile instances, allowed {}",
                             visible,
                             total,
-                            max_instances));
+                            max_pairs));
   }
   out.visible = visible;
-  out.instances = static_cast<std::uint32_t>(total);
+  out.pairs = static_cast<std::uint32_t>(total);
   sizes.visible = visible;
-  sizes.instances = total;
+  sizes.pairs = total;
   scratch_.reserve(sizes);
   out.reserve(sizes);
   visible_write_.run(chunks.work_items,
@@ -83,11 +83,11 @@ void BinStage::list_visible(const ParticleBuffers& particles,
                       {"offsets", scratch_.counts},
                       scratch_,
                       {"visible", out.order}});
-  // Once by range; instances inherit the order, so that tiles need only their own bits sorted.
+  // Once by range; pairs inherit the order, so that tiles need only their own bits sorted.
   sort_.run(scratch_.visible_keys, out.order, out.visible, 32);
 }
 
-void BinStage::list_instances(const shared::FrameParams& frame,
+void BinStage::list_pairs(const shared::FrameParams& frame,
                               const RayBuffers& rays,
                               const Projected& projected,
                               FrameSizes& sizes,
@@ -95,10 +95,10 @@ void BinStage::list_instances(const shared::FrameParams& frame,
   const Chunks visible = chunks_of(device_, out.visible, group_);
   sizes.work_items = visible.work_items;
   scratch_.reserve(sizes);
-  instance_count_.run(
+  pair_count_.run(
       visible.work_items, group_, {out, {"m", out.visible}, {"chunk", visible.chunk}, projected, scratch_});
   scan_.run(scratch_.counts, static_cast<std::uint32_t>(visible.work_items), false);
-  instance_emit_.run(visible.work_items,
+  pair_emit_.run(visible.work_items,
                      group_,
                      {{"frame", frame},
                       out,
@@ -107,7 +107,7 @@ void BinStage::list_instances(const shared::FrameParams& frame,
                       projected,
                       rays,
                       {"offsets", scratch_.counts}});
-  sort_.run(out.tile, out.payload, out.instances, std::bit_width(frame.tiles_x * frame.tiles_y - 1));
+  sort_.run(out.tile, out.payload, out.pairs, std::bit_width(frame.tiles_x * frame.tiles_y - 1));
 }
 
 }  // namespace simuli

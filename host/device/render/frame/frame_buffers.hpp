@@ -20,7 +20,7 @@ struct ClTypeName<shared::ActorConstants<double>> {
   static constexpr std::string_view value = "ActorConstants";
 };
 
-/// What a frame is sized by. N particles, M of them visible, K tile instances, S ray slots.
+/// What a frame is sized by. N particles, M of them visible, K tile pairs, S ray slots.
 struct FrameSizes {
   std::uint64_t particles = 0;         // N
   std::uint64_t stride = 0;            // of parameter rows: N rounded up
@@ -29,7 +29,7 @@ struct FrameSizes {
   std::uint64_t shape_reals = 0;       // of the actors that are not
   std::uint64_t moving_particles = 0;  // N where actors move during the frame, else 0
   std::uint64_t visible = 0;           // M
-  std::uint64_t instances = 0;         // K
+  std::uint64_t pairs = 0;         // K
   std::uint64_t slots = 0;             // S
   std::uint64_t tiles = 0;
   std::uint64_t ray_rows = 3;           // of world_ray: directions, with origins 6, with times 7
@@ -81,19 +81,19 @@ struct Projected : BufferTable<FrameSizes> {
 struct Binned : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
   Words order{*this, "order", [](const FrameSizes& s) { return s.visible; }};  // by range
-  Words tile{*this, "tile", [](const FrameSizes& s) { return s.instances; }};  // rising
+  Words tile{*this, "tile", [](const FrameSizes& s) { return s.pairs; }};  // rising
   Words payload{
-      *this, "payload", [](const FrameSizes& s) { return s.instances; }};        // of a tile: nearest first
-  Words first{*this, "first", [](const FrameSizes& s) { return s.tiles + 1; }};  // instances of each tile
+      *this, "payload", [](const FrameSizes& s) { return s.pairs; }};        // of a tile: nearest first
+  Words first{*this, "first", [](const FrameSizes& s) { return s.tiles + 1; }};  // pairs of each tile
   std::uint32_t visible = 0;                                                     // M
-  std::uint32_t instances = 0;                                                   // K
+  std::uint32_t pairs = 0;                                                   // K
 };
 
 /// What binning needs meanwhile.
 struct BinScratch : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
   Words visible_keys{*this, "visible_keys", [](const FrameSizes& s) { return s.visible; }};
-  /// Visible particles of each chunk, then their tile instances.
+  /// Visible particles of each chunk, then their tile pairs.
   Words counts{*this, "counts", [](const FrameSizes& s) { return 2 * s.work_items; }};
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 // The contract of a frame: its stages in the order in which they run. Each is a launcher with the stem of its
 // kernel file, gets the parts of the frame that it reads, and writes the last one that it is given. N
-// particles, M of them visible, K tile instances, S ray slots. For Renderer, training's stages and tests: who
+// particles, M of them visible, K tile pairs, S ray slots. For Renderer, training's stages and tests: who
 // renders needs none of this.
 #include <optional>
 
@@ -72,21 +72,21 @@ class BinStage {
  public:
   /// `work_items` as SortStage.
   explicit BinStage(const Device& device, std::size_t work_items = 0);
-  /// Error{kDevice} with numbers when the frame needs more than max_instances. Waits once, for M and K.
+  /// Error{kDevice} with numbers when the frame needs more than max_pairs. Waits once, for M and K.
   void run(const shared::FrameParams& frame,
            const ParticleBuffers& particles,
            const RayBuffers& rays,
            const Projected& projected,
-           std::size_t max_instances,
+           std::size_t max_pairs,
            Binned& out);
 
  private:
   void list_visible(const ParticleBuffers& particles,
                     const Projected& projected,
-                    std::size_t max_instances,
+                    std::size_t max_pairs,
                     FrameSizes& sizes,
                     Binned& out);
-  void list_instances(const shared::FrameParams& frame,
+  void list_pairs(const shared::FrameParams& frame,
                       const RayBuffers& rays,
                       const Projected& projected,
                       FrameSizes& sizes,
@@ -96,7 +96,7 @@ class BinStage {
   ScanStage scan_;
   SortStage sort_;
   BinScratch scratch_;
-  Kernel visible_count_, visible_write_, instance_count_, instance_emit_, tile_ranges_;
+  Kernel visible_count_, visible_write_, pair_count_, pair_emit_, tile_ranges_;
 };
 
 /// 4. Each ray through its tile's list, front to back. K -> S.

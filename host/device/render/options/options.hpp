@@ -49,7 +49,7 @@ enum class ShStorage : int {
   kHalf = 1,  // 16 bits, each rounded to nearest (11 bits): half the traffic; float only, no backward pass
 };
 
-/// Whether particles that no requested ray of a LiDAR can meet are dropped before they make tile instances
+/// Whether particles that no requested ray of a LiDAR can meet are dropped before they make tile pairs
 /// (METHOD section 6). Pictures are the same bits either way.
 enum class Culling : int {
   kOff = 0,
@@ -170,7 +170,7 @@ constexpr void visit_fields(ProgramOptions& o, F&& field) {
         o.median_distance,
         "LiDARs also measure the distance at which half the light is gone. false: a little faster.",
         InTraining::kFixed);
-  field.keyless(o.shape);  // follows from the device
+  field.internal(o.shape);  // follows from the device
 }
 
 /// What kernels are told with each frame.
@@ -178,7 +178,7 @@ struct FrameOptions {
   double alpha_cut = 1.0 / 255.0;
   double transmittance_cut = 1e-4;
   double detail = 0.0;  // kernels and particles know whether it is 0
-  std::size_t max_instances = std::size_t{1} << 28U;
+  std::size_t max_pairs = std::size_t{1} << 28U;
   bool operator==(const FrameOptions&) const = default;
 };
 template <class F>
@@ -198,8 +198,8 @@ constexpr void visit_fields(FrameOptions& o, F&& field) {
       "Width in rays (standard deviation) below which particles are drawn as fewer, larger ones. 0.5: three "
       "times as fast down long streets; 0: all as they are.",
       InTraining::kNoGradients);
-  field("render.max_instances",
-        o.max_instances,
+  field("render.max_pairs",
+        o.max_pairs,
         at_least(1),
         "Most pairs of tile and particle; a frame that needs more is refused. Lower it to bound memory.",
         InTraining::kFixed);

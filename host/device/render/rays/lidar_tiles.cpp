@@ -58,8 +58,8 @@ LidarTiles tile_rows_of_rays(const Device& device,
   const Uints group_of_row = tiler.groups_of_rows(elevation, bins, group_of_bin);
   const std::uint32_t tile_rows = tiler.cut(group_of_row, rows, kMostRows, out);
 
-  out.row_slots = kMostRays / SIM_SLOT_ROW / tile_rows;
-  const std::uint32_t width = out.row_slots * SIM_SLOT_ROW;  // most of one row in one tile
+  out.row_slots = kMostRays / SIM_RAY_BLOCK / tile_rows;
+  const std::uint32_t width = out.row_slots * SIM_RAY_BLOCK;  // most of one row in one tile
 
   const Buffer<float> places(device, "ray places", x);
   const Uints order(device, "rays by row", LidarTilingStage::iota(rows * row_rays));

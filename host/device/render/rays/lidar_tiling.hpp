@@ -64,7 +64,7 @@ class LidarTilingStage {
                 const TileBins& bins,
                 const Uints& column_of_bin,
                 const LidarTiles& tiling);
-  /// Rows of a list, of SIM_SLOT_ROW rays of a tile column at most; false when they would be more than a
+  /// Rows of a list, of SIM_RAY_BLOCK rays of a tile column at most; false when they would be more than a
   /// footprint can name. Elevations fall into groups, places into tile columns, of which there are `columns`.
   bool list_rows(const BinnedValues& elevation,
                  const Uints& group_of_bin,

@@ -254,8 +254,8 @@ void Pass::show_from(const SeenSurfaces& recorded, const RayValues& picture, Ray
        "surfaces of another camera",
        "those kept of its own");
   State::Stages& stages = *s.frame.stages;
-  if (!stages.beside) stages.beside.emplace(s.device, stages.own);
-  stages.beside->run(s.frame.params,
+  if (!stages.off_trajectory) stages.off_trajectory.emplace(s.device, stages.own);
+  stages.off_trajectory->run(s.frame.params,
                      grid,
                      s.frame.rays->map().slot_of_ray,
                      s.buffers,

@@ -10,7 +10,7 @@
 #include "host/device/render/frame/shapes_in_frame.hpp"
 #include "host/device/render/frame/stages.hpp"
 #include "host/device/render/scene/renderer.hpp"
-#include "host/device/render/train/beside.hpp"
+#include "host/device/render/train/off_trajectory.hpp"
 #include "host/device/render/train/largest_weight.hpp"
 #include "host/device/render/train/loss_stages.hpp"
 
@@ -27,7 +27,7 @@ struct Pass::State {
     std::optional<RenderBackwardStage> render_back;
     std::optional<ProjectBackwardStage> project_back;
     std::optional<LargestWeightStage> largest_weight;
-    std::optional<BesideStage> beside;
+    std::optional<OffTrajectoryStage> off_trajectory;
     Variant own;
   };
   /// Of grids of one size.

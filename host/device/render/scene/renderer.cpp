@@ -196,7 +196,7 @@ Pass Renderer::render(const ParticleBuffers& particles,
   s.frame.shapes = std::move(shapes);
   stages.rays.run(frame, on_device, b.constants, b.rays);
   stages.project.run(frame, particles, on_device, b.constants, b.projected);
-  s.bin.run(frame, particles, on_device, b.projected, s.options.max_instances, b.binned);
+  s.bin.run(frame, particles, on_device, b.projected, s.options.max_pairs, b.binned);
   stages.render.run(frame, particles, on_device, b.constants, b.rays, b.projected, b.binned, b.blended);
   if (environment != nullptr) {
     if (!s.environment) s.environment.emplace(s.device, s.options.precision, s.options.shape.lanes);

@@ -41,7 +41,7 @@ RequestedRays masked_rays(const Device& device,
 }
 
 /// The columns and rows of a camera between which the pixels lie that are `wanted` [rays].
-void tell_rectangle(const RayGrid& grid,
+void print_rectangle(const RayGrid& grid,
                     const std::vector<bool>& wanted,
                     shared::ModelConstants<double>& model) {
   Eigen::AlignedBox2d box;
@@ -83,7 +83,7 @@ SensorRays::Request::Request(const Shared& of, const std::vector<bool>& wanted)
     : rays(masked_rays(of.device, of.grid, of.precision, wanted)), model(of.grid.model) {
   if (of.options.culling == Culling::kOff) return;
   if (of.grid.type == SensorType::kCamera) {
-    if (!wanted.empty()) tell_rectangle(of.grid, wanted, model);
+    if (!wanted.empty()) print_rectangle(of.grid, wanted, model);
     return;
   }
   const bool all = std::find(wanted.begin(), wanted.end(), false) == wanted.end();

@@ -31,7 +31,7 @@ Pose Shot::pose_at(double share) const {
   return interpolate(world_from_sensor_start, world_from_sensor_end, share);
 }
 
-Shot Shot::beside(const Pose& rig_from_sensor, double left_m) const {
+Shot Shot::shifted_left(const Pose& rig_from_sensor, double left_m) const {
   const Pose rig_from_moved{Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, left_m, 0.0)};
   const Pose sensor_from_moved = rig_from_sensor.inverse() * rig_from_moved * rig_from_sensor;
   Shot out = *this;

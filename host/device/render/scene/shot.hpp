@@ -37,7 +37,7 @@ struct Shot {
   /// world_from_sensor at that share of the frame.
   [[nodiscard]] Pose pose_at(double share) const;
   /// With the rig, which the sensor sits on at rig_from_sensor, that far to the left of where it was.
-  [[nodiscard]] Shot beside(const Pose& rig_from_sensor, double left_m) const;
+  [[nodiscard]] Shot shifted_left(const Pose& rig_from_sensor, double left_m) const;
   /// Coordinates relative to `origin` instead of the world's.
   [[nodiscard]] Shot relative_to(const Eigen::Vector3d& origin) const;
 };

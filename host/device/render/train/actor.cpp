@@ -44,7 +44,7 @@ std::vector<ActorPoseGradient> ActorStage::pose_gradients(const ParticleBuffers&
   const std::vector<double> partial = buffers_.partial.download_double();
   for (std::size_t item = 0; item < items; ++item) {
     ActorPoseGradient& sum = out[item / kChunks];
-    Eigen::Vector3d* parts[] = {&sum.shift_start, &sum.turn_start, &sum.shift_end, &sum.turn_end};
+    Eigen::Vector3d* parts[] = {&sum.shift_start, &sum.revolution_start, &sum.shift_end, &sum.turn_end};
     for (std::size_t k = 0; k < 4; ++k) {
       *parts[k] += Eigen::Map<const Eigen::Vector3d>(partial.data() + item * 2 * SIM_POSE_GRAD + 3 * k);
     }

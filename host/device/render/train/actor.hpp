@@ -14,7 +14,7 @@ namespace simuli {
 /// origin, both in scene axes.
 struct ActorPoseGradient {
   Eigen::Vector3d shift_start = Eigen::Vector3d::Zero();
-  Eigen::Vector3d turn_start = Eigen::Vector3d::Zero();
+  Eigen::Vector3d revolution_start = Eigen::Vector3d::Zero();
   Eigen::Vector3d shift_end = Eigen::Vector3d::Zero();
   Eigen::Vector3d turn_end = Eigen::Vector3d::Zero();
 };

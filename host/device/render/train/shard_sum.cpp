@@ -33,7 +33,7 @@ std::size_t groups(std::size_t count, int lanes) {
 ShardSum::ShardSum(const Device& device, Precision precision)
     : lanes_(lane_shape_of(device, precision).lanes),
       buffers_(device, precision),
-      add_(program(device, precision), "add_shown"),
+      add_(program(device, precision), "add_rendered"),
       pack_(program(device, precision), "pack_columns"),
       add_packed_(program(device, precision), "add_packed"),
       add_row_(program(device, precision), "add_row"),

@@ -1,0 +1,17 @@
+#include "optim/data/sensor_learning.hpp"
+
+#include <utility>
+
+#include "optim/data/ego_vehicle.hpp"
+#include "optim/data/range_bias.hpp"
+#include "optim/data/range_limit.hpp"
+
+namespace simuli {
+
+Log with_learned_sensors(Log log, const FrameSelection& frames) {
+  log = with_range_bias(std::move(log), frames);
+  log = with_blind_arcs(std::move(log), frames);
+  return with_range_limit(std::move(log), frames);
+}
+
+}  // namespace simuli
