@@ -44,7 +44,7 @@ assert [metadata["time_range"]["start"], metadata["time_range"]["end"]] == [time
 assert np.array_equal(rig["world_to_nre"]["matrix"], np.eye(4)) and path["rig_bbox"] is None
 assert set(path["cameras_frame_timestamps_us"]) == set(rig["camera_calibrations"])
 for frames in path["cameras_frame_timestamps_us"].values():
-    assert frames and all(isinstance(t, int) for pair in frames for t in pair) and all(b > a for a, b in frames)
+    assert frames and all(isinstance(t, int) for instance in frames for t in pair) and all(b > a for a, b in frames)
 
 (tracks,) = json.loads(archive.read("sequence_tracks.json")).values()
 actors = tracks["tracks_data"]

@@ -84,7 +84,7 @@ void compare_with_driver(const cl::Kernel& kernel,
     try {
       type = canonical(kernel.getArgInfo<CL_KERNEL_ARG_TYPE_NAME>(i), precision);
     } catch (const cl::Error& error) {
-      // Drivers may give none, for pair for programs from a binary.
+      // Drivers may give none, for instance for programs from a binary.
       if (error.err() == CL_KERNEL_ARG_INFO_NOT_AVAILABLE) return;
       throw;
     }
