@@ -20,7 +20,7 @@ TEST_F(ServerTest, AnswersWhatThereIs) {
   proto::LoadedScenesReturn loaded;
   ASSERT_TRUE(stub_->get_loaded_scenes(&c3, {}, &loaded).ok());
   EXPECT_EQ(loaded.scenes(0).scene_id(), "small");
-  EXPECT_EQ(loaded.loaded_pair_capacity(), 4U);
+  EXPECT_EQ(loaded.loaded_instance_capacity(), 4U);
   proto::AvailableCamerasRequest of_scene;
   of_scene.set_scene_id("small");
   proto::AvailableCamerasReturn cameras;

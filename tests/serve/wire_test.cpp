@@ -250,9 +250,9 @@ TEST(Wire, WritesWhatThereIs) {
   proto::LoadedScenesReturn loaded;
   auto& entry = *loaded.add_scenes();
   entry.set_scene_id("a");
-  entry.set_loaded_pair_count(2);
-  entry.set_reusable_pair_count(3);
-  loaded.set_loaded_pair_capacity(4);
+  entry.set_loaded_instance_count(2);
+  entry.set_reusable_instance_count(3);
+  loaded.set_loaded_instance_capacity(4);
   expect_bytes(loaded, Wire().message(1, Wire().text(1, "a").varint(2, 2).varint(3, 3)).varint(2, 4));
 
   proto::AvailableEgoMasksReturn masks;

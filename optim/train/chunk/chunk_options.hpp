@@ -14,7 +14,7 @@ struct ChunkOptions {
   double overlap_m = 20.0;  // of path before and behind a chunk, some of whose frames it is trained on, too
   /// Frames of those for each that shows nothing but the chunk. 2 are as good and take 15 % more time; all
   /// near a chunk lose 0.6 dB (the long street).
-  double off_trajectory = 0.5;
+  double overlap_share = 0.5;
   std::size_t host_memory_bytes = 0;
 };
 template <class F>
@@ -31,7 +31,7 @@ constexpr void visit_fields(ChunkOptions& o, F&& field) {
         "Bytes of the host's memory that training may use; a drive that needs more is cut into stretches. 0: "
         "not limited.");
   field.internal(o.overlap_m);
-  field.internal(o.off_trajectory);
+  field.internal(o.overlap_share);
 }
 
 /// Into how many chunks a training was cut to fit in memory, and what one of them needs, as estimated.

@@ -137,7 +137,7 @@ std::vector<Frame> frames_of(const std::vector<Frame>& all,
     if (away_m > 0.0) {
       double& sum = due.try_emplace(sensor_of(all[i]), 0.5).first->second;
       const double before = std::floor(sum);
-      sum += options.off_trajectory * sight.share(sensor_of(all[i]), middle_s);
+      sum += options.overlap_share * sight.share(sensor_of(all[i]), middle_s);
       if (std::floor(sum) == before) continue;
     }
     out.push_back(all[i]);

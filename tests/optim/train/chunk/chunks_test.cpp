@@ -107,7 +107,7 @@ TEST_F(ChunksTest, HaveTheirOwnTrainingFramesAndThoseOfTheOverlap) {
   const HeldOutRule rule(log_, frames);
   std::size_t seen = 0;
   for (const DriveChunk& chunk : cut(path, {.length_m = 20.0})) {
-    const Log part = log_of(log_, frames, path, chunk, {.overlap_m = 20.0, .beside = 1.0});
+    const Log part = log_of(log_, frames, path, chunk, {.overlap_m = 20.0, .overlap_share = 1.0});
     std::size_t beside = 0, taken = 0;
     for (std::size_t i = 0; i < log_.sweeps.size(); ++i) {
       const SweepFrame& frame = log_.sweeps[i];
