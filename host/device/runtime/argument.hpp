@@ -1,5 +1,5 @@
 #pragma once
-// What the host says of the arguments that it passes to kernels.
+// Types and names of kernel arguments as the host declares them.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -9,8 +9,8 @@
 
 namespace simuli {
 
-/// The name OpenCL C has for T, as the kernel's argument is declared. Structs of cl/shared are
-/// registered beside what first uses them: template <> struct ClTypeName<LidarParams> {
+/// The OpenCL C name of type T in kernel declarations. Each struct of cl/shared is registered in the header
+/// that first uses it: template <> struct ClTypeName<LidarParams> {
 ///   static constexpr std::string_view value = "LidarParams"; };
 template <class T>
 struct ClTypeName;
@@ -48,12 +48,12 @@ struct Local {
 
 namespace detail {
 
-/// What the host passes for an argument. One object per type: launches after the first compare addresses.
+/// The type of an argument that the host passes. One object per type: launches after the first compare addresses.
 struct PassedType {
-  std::string_view element;  // "uint", "FrameParams"; "real": of the program's precision
+  std::string_view element;  // "uint", "FrameParams"; "real" has the program's precision
   ArgumentSpace space = ArgumentSpace::kValue;
   bool is_const = false;
-  std::size_t real_bytes = 0;  // of a struct of reals: those of one
+  std::size_t real_bytes = 0;  // bytes of one struct of reals
 };
 inline constexpr PassedType kPassedReal{"real", ArgumentSpace::kValue, false};
 inline constexpr PassedType kPassedLocal{"", ArgumentSpace::kLocal, false};

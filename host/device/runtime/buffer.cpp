@@ -14,11 +14,11 @@
 namespace simuli::detail {
 namespace {
 
-// The largest pattern clEnqueueFillBuffer takes; patterns are powers of two.
+// Largest pattern of clEnqueueFillBuffer in bytes; pattern sizes are powers of two.
 constexpr std::size_t kMaxFillPatternBytes = 128;
-// Host copies for elements the device can't fill by itself are at most this large.
+// Largest host copy in bytes for elements of a size that clEnqueueFillBuffer does not support.
 constexpr std::size_t kFillChunkBytes = std::size_t{1} << 20U;
-// Written between two looks for an interruption.
+// Bytes written between two checks for an interruption.
 constexpr std::size_t kHeardChunkBytes = std::size_t{1} << 25U;
 
 void need_success(cl_int code, const char* call) {
@@ -90,7 +90,7 @@ void Memory::allocate(std::size_t count) {
 
 void Memory::reserve(std::size_t count) {
   if (count > capacity_) {
-    // The old content goes first, so that growing never needs both at once.
+    // Releases the old allocation first, so that growing never needs both at once.
     count_ = 0;
     capacity_ = 0;
     handle_.reset();

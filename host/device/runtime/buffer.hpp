@@ -12,12 +12,12 @@
 #include "host/core/base/error.hpp"
 #include "host/device/runtime/device.hpp"
 
-struct _cl_mem;  // what a cl_mem points to (host/device/runtime/opencl.hpp)
+struct _cl_mem;  // the object behind a cl_mem (host/device/runtime/opencl.hpp)
 
 namespace simuli {
 namespace detail {
 
-/// Counts bytes as used on a device, and by a name, for as long as it lives.
+/// Adds bytes to a device's memory use, in total and by buffer name, during its lifetime.
 class MemoryLease {
  public:
   MemoryLease() = default;
@@ -30,7 +30,7 @@ class MemoryLease {
   MemoryLease(const MemoryLease&) = delete;
   MemoryLease& operator=(const MemoryLease&) = delete;
   ~MemoryLease();
-  /// Of contents that changed places: the bytes go with them, the names stay.
+  /// Swaps the counted bytes of two buffers whose contents were swapped; each keeps its name.
   void exchange(MemoryLease& other) noexcept;
 
  private:
@@ -40,7 +40,7 @@ class MemoryLease {
     std::swap(bytes_, other.bytes_);
   }
   std::optional<Device> device_;
-  MemoryUse* by_name_ = nullptr;  // of the device, as long as it lives
+  MemoryUse* by_name_ = nullptr;  // owned by the device, which outlives this
   std::size_t bytes_ = 0;
 };
 
@@ -93,12 +93,12 @@ class Buffer {
   static_assert(std::is_trivially_copyable_v<T> && !std::is_const_v<T>);
 
  public:
-  /// `count` elements of undefined content; 0 is ordinary.
+  /// Holds `count` elements of undefined content; `count` may be 0.
   Buffer(const Device& device, std::string name, std::size_t count = 0)
       : memory_(device, std::move(name), sizeof(T)) {
     memory_.reserve(count);
   }
-  /// A copy of `values`.
+  /// Holds a copy of `values`.
   Buffer(const Device& device, std::string name, std::span<const T> values)
       : Buffer(device, std::move(name), values.size()) {
     upload(values);
@@ -111,10 +111,10 @@ class Buffer {
   Buffer& operator=(const Buffer&) = delete;
   ~Buffer() = default;
 
-  /// Makes count() exactly `count`. Allocates only when that exceeds capacity(), the content being lost
-  /// then; never shrinks.
+  /// Sets count() to `count`. Allocates only when that exceeds capacity(), which loses the content; never
+  /// shrinks.
   void reserve(std::size_t count) { memory_.reserve(count); }
-  /// Makes count() exactly `count` and keeps the content; what is new is undefined.
+  /// Sets count() to `count` and keeps the content; new elements are undefined.
   void extend(std::size_t count) { memory_.extend(count); }
   /// reserve(values.size()) and upload(values).
   void assign(std::span<const T> values) {
@@ -122,7 +122,7 @@ class Buffer {
     upload(values);
   }
 
-  /// Replaces everything; values.size() is count().
+  /// Replaces all elements; values.size() must be count().
   void upload(std::span<const T> values) {
     need_all(values.size());
     memory_.write(0, values.data(), values.size());
@@ -131,8 +131,8 @@ class Buffer {
   void upload_at(std::size_t first, std::span<const T> values) {
     memory_.write(first, values.data(), values.size());
   }
-  /// Replaces `columns` elements from first, first + pitch, first + 2 pitch, ... on by values[rows][columns].
-  /// Does not wait: `values` stay as they are until the device is done with it (Event).
+  /// Writes values[rows][columns]: row r replaces `columns` elements from first + r * pitch on. Does not wait:
+  /// the caller keeps `values` unchanged until the device has read them (Event).
   void queue_rows(std::size_t first, std::size_t pitch, std::size_t columns, std::span<const T> values) {
     memory_.queue_rows(first, pitch, columns, values.data(), columns == 0 ? 0 : values.size() / columns);
   }
@@ -141,16 +141,16 @@ class Buffer {
     memory_.read(0, values.data(), values.size());
     return values;
   }
-  /// Everything, into `target` of exactly count() elements.
+  /// Copies all elements to `target`, which has exactly count() elements.
   void download(std::span<T> target) const {
     need_all(target.size());
     memory_.read(0, target.data(), target.size());
   }
-  /// The elements [first, first + target.size()).
+  /// Copies the elements [first, first + target.size()) to `target`.
   void download_at(std::size_t first, std::span<T> target) const {
     memory_.read(first, target.data(), target.size());
   }
-  /// One element, for counters and totals. Waits for the queue.
+  /// Returns one element, such as a counter. Waits for the queue.
   [[nodiscard]] T read_back(std::size_t index = 0) const {
     T value;
     memory_.read(index, &value, 1);
@@ -159,7 +159,7 @@ class Buffer {
 
   /// Sets every element of [0, count()). Does not wait.
   void fill(const T& value) { memory_.fill(&value); }
-  /// Device-side copy of all of `source`, which has the same count(). Does not wait.
+  /// Copies all of `source`, which has the same count(), on the device. Does not wait.
   void copy_from(const Buffer& source) { memory_.copy_from(source.memory_); }
   /// Swaps the content with that of `other` without a copy; each keeps its name.
   void exchange(Buffer& other) noexcept { memory_.exchange(other.memory_); }

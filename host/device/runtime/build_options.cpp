@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kRealDouble = "SIMULI_REAL_DOUBLE";
 
-// By hand: <cctype> follows the locale, the compiler doesn't.
+// Not <cctype>, which depends on the locale; the compiler does not.
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_in_word(char c) { return is_letter(c) || (c >= '0' && c <= '9'); }
 
@@ -61,9 +61,9 @@ BuildOptions BuildOptions::named_in(std::string_view source) const {
 }
 
 std::string BuildOptions::text() const {
-  // Argument info is what Kernel checks the host's types against. Warnings are for who writes kernels (clang
-  // gives them in tests): PoCL's compiler prints how many there are on stderr, and has many of calling
-  // conventions of vectors that no call is left of.
+  // Kernel checks the host's argument types against the argument info. Warnings are off: tests report them with
+  // clang, and PoCL's compiler prints their number on stderr, many of them about vector calling conventions of
+  // inlined calls.
   std::string text = "-cl-std=CL1.2 -cl-kernel-arg-info -w";
   const auto append = [&](std::string_view name, std::string_view value) {
     text.append(" -D ").append(name).append("=").append(value);

@@ -10,13 +10,13 @@
 
 namespace simuli {
 
-/// How kernel text is specialised: integers and enums by -D, and the one axis `real`. Floats travel as
-/// kernel arguments, as each new value would be a new program. -cl-fast-relaxed-math is never used:
-/// it breaks magic-number rounding.
+/// Options that specialise a kernel text: integers and enums by -D, and the precision of `real`. Floats are
+/// kernel arguments, because each new value of a definition compiles a new program. -cl-fast-relaxed-math is
+/// never used: it breaks rounding by magic numbers.
 class BuildOptions {
  public:
-  /// -D NAME=VALUE; a name defined again takes the new value. Error{kInternal} when the name is no
-  /// identifier.
+  /// Adds -D NAME=VALUE and replaces an earlier value of the name. Throws Error{kInternal} when the name is not
+  /// an identifier.
   template <class T>
   requires std::integral<T> || std::is_enum_v<T> BuildOptions& define(const std::string& name, T value) {
     return define_text(name, text_of(value));
@@ -24,12 +24,12 @@ class BuildOptions {
   /// kDouble defines SIMULI_REAL_DOUBLE=1; kFloat, the default, defines nothing.
   BuildOptions& real(Precision precision);
 
-  /// Without the names that `source` doesn't hold as a word outside of its `//` comments: what kernels don't
-  /// look at makes no other program of them.
+  /// Returns the options whose names `source` uses outside of `//` comments: options that a kernel does not use
+  /// do not compile another program.
   [[nodiscard]] BuildOptions named_in(std::string_view source) const;
 
   [[nodiscard]] Precision precision() const { return precision_; }
-  /// The options as the compiler gets them: canonical, sorted by name.
+  /// The compiler's options, sorted by name.
   [[nodiscard]] std::string text() const;
 
  private:

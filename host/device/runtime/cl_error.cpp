@@ -15,7 +15,7 @@ struct CodeName {
 
 #define SIMULI_CODE(name) \
   CodeName { name, #name }
-// Every code of OpenCL 1.2, and the one the loader adds.
+// Every error code of OpenCL 1.2 and the code that the loader adds.
 constexpr std::array kCodes = {
     SIMULI_CODE(CL_SUCCESS),
     SIMULI_CODE(CL_DEVICE_NOT_FOUND),

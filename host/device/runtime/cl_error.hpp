@@ -7,17 +7,17 @@
 
 namespace simuli {
 
-/// "CL_OUT_OF_RESOURCES" for -5; "unknown OpenCL code" for what the standard doesn't name.
+/// Returns "CL_OUT_OF_RESOURCES" for -5; "unknown OpenCL code" for codes that the standard does not name.
 [[nodiscard]] std::string cl_code_name(cl_int code);
 
 /// Throws Error{kind} reading "CALL failed: CL_NAME (NUMBER), CONTEXT".
 [[noreturn]] void throw_cl_error(ErrorKind kind, const cl::Error& error, const std::string& context);
 
-/// Error{kDevice} where Device::is_forked(). Every way to the driver asks first.
+/// Throws Error{kDevice} when Device::is_forked(). Every function that calls the driver calls this first.
 void need_own_process();
 
-/// Runs f; a cl::Error that leaves it becomes our Error{kind}. `context` is called only then, so that
-/// the usual path formats nothing. Error{kDevice} where Device::is_forked().
+/// Runs f and converts a cl::Error to Error{kind}. `context` is called only on errors, so that the usual path
+/// formats nothing. Throws Error{kDevice} when Device::is_forked().
 template <class Context, class F>
 decltype(auto) cl_call(ErrorKind kind, Context&& context, F&& f) {
   need_own_process();

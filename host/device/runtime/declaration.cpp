@@ -10,7 +10,7 @@
 namespace simuli {
 namespace {
 
-/// `text` without comments and preprocessor lines, a space or a line's end in their places.
+/// Returns `text` with comments and preprocessor lines replaced by a space or a line end.
 std::string plain(std::string_view text) {
   std::string out;
   out.reserve(text.size());
@@ -37,7 +37,7 @@ std::string plain(std::string_view text) {
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
 
-/// The word or the single other character at `at`, which moves behind it; empty at the end.
+/// Returns the word or the single other character at `at` and advances `at`; empty at the end of the text.
 std::string_view next_token(std::string_view text, std::size_t& at) {
   while (at < text.size() && std::isspace(static_cast<unsigned char>(text[at])) != 0) ++at;
   const std::size_t begin = at;
@@ -46,7 +46,7 @@ std::string_view next_token(std::string_view text, std::size_t& at) {
   return text.substr(begin, at - begin);
 }
 
-/// Behind the bracket that closes the one before `at`.
+/// Returns the position after the bracket that closes the bracket before `at`.
 std::size_t behind_bracket(std::string_view text, std::size_t at) {
   for (int open = 1; at < text.size() && open > 0; ++at)
     open += text[at] == '(' ? 1 : text[at] == ')' ? -1 : 0;
@@ -56,7 +56,7 @@ std::size_t behind_bracket(std::string_view text, std::size_t at) {
 constexpr std::array<std::string_view, 7> kNotOfTheType = {
     "restrict", "__restrict", "volatile", "struct", "private", "__private", "unsigned"};
 
-/// From the words between two commas: "__global const real* params".
+/// Parses the words between two commas: "__global const real* params".
 ArgumentDeclaration argument_of(std::string_view text) {
   ArgumentDeclaration argument;
   std::string stars;

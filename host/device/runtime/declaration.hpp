@@ -1,6 +1,6 @@
 #pragma once
-// What kernel text says of its kernels' arguments: their names are the host's names for them, and drivers may
-// have lost them (programs from a stored binary).
+// Parses the declarations of kernels from their text. The host binds arguments by these names, and drivers lose
+// them for programs loaded from a binary.
 #include <map>
 #include <string>
 #include <string_view>
@@ -10,17 +10,17 @@ namespace simuli {
 
 enum class ArgumentSpace { kValue, kGlobal, kLocal };
 
-/// One argument of a kernel as it is declared.
+/// One argument of a kernel declaration.
 struct ArgumentDeclaration {
   std::string name;
-  std::string type;  // "real*", "FrameParams", "uint": qualifiers and spaces are gone
+  std::string type;  // "real*", "FrameParams", "uint": without qualifiers and spaces
   ArgumentSpace space = ArgumentSpace::kValue;
-  bool is_const = false;  // what a pointer points to
+  bool is_const = false;  // the pointer's target type
 };
 using KernelDeclaration = std::vector<ArgumentDeclaration>;
 
-/// The kernels of `text` (expanded, macros excepted) by name. Argument lists made by macros are not
-/// understood. Error{kKernel} for a kernel that is declared twice.
+/// The kernels of `text` (expanded, macros excepted) by name. Argument lists that macros
+/// generate are not parsed. Throws Error{kKernel} for a kernel that is declared twice.
 [[nodiscard]] std::map<std::string, KernelDeclaration> kernel_declarations(std::string_view text);
 
 }  // namespace simuli

@@ -21,7 +21,7 @@
 namespace simuli {
 namespace {
 
-// 32 KiB is the least OpenCL 1.2 promises; a CPU keeps that in its first cache.
+// 32 KiB is the minimum of OpenCL 1.2, and fits the first-level cache of CPUs.
 constexpr std::uint64_t kCpuLocalBytes = 32U << 10U;
 
 struct Found {
@@ -29,7 +29,7 @@ struct Found {
   DeviceInfo info;
 };
 
-// Driver strings may end in spaces or a NUL of their own.
+// Driver strings may end in spaces or a NUL.
 std::string trimmed(std::string text) {
   const auto is_filler = [](char c) { return c == '\0' || std::isspace(static_cast<unsigned char>(c)) != 0; };
   while (!text.empty() && is_filler(text.back())) text.pop_back();
@@ -55,8 +55,8 @@ bool at_least_1_2(const std::string& device_version) {
   return std::pair(major, minor) >= std::pair(1, 2);
 }
 
-/// SIMULI_DEVICE_TYPE (cpu, gpu): what devices are taken for whatever they say, so that what is done on GPUs
-/// alone can be run where there is none.
+/// Reads SIMULI_DEVICE_TYPE (cpu, gpu), which overrides the type of all devices, so that the code paths of GPUs
+/// can run without one.
 std::optional<cl_device_type> wanted_type() {
   const char* const variable = std::getenv("SIMULI_DEVICE_TYPE");
   if (variable == nullptr || *variable == '\0') return std::nullopt;
@@ -67,7 +67,7 @@ std::optional<cl_device_type> wanted_type() {
 }
 
 DeviceInfo describe(const cl::Device& device) {
-  // Its id or, by newer headers, the platform itself.
+  // The platform's id or, with newer headers, the platform itself.
   const cl::Platform platform(device.getInfo<CL_DEVICE_PLATFORM>());
   const cl_device_type type = wanted_type().value_or(device.getInfo<CL_DEVICE_TYPE>());
   DeviceInfo info;
@@ -84,8 +84,8 @@ DeviceInfo describe(const cl::Device& device) {
   info.max_work_group_size = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
   info.fp64 = has_word(trimmed(device.getInfo<CL_DEVICE_EXTENSIONS>()), "cl_khr_fp64") ||
               device.getInfo<CL_DEVICE_DOUBLE_FP_CONFIG>() != 0;
-  // Oclgrind says that it is every type at once; what it looks for, races of work-items above all, is found
-  // in a GPU's shapes. It can't run the explicit vectors of a CPU's (llvm.vector.reduce).
+  // Oclgrind reports every device type. It is used as a GPU, whose work-groups show the data races that it
+  // searches for; it cannot run the explicit vectors of CPU shapes (llvm.vector.reduce).
   info.is_gpu = (type & CL_DEVICE_TYPE_GPU) != 0;
   info.is_cpu = (type & CL_DEVICE_TYPE_CPU) != 0 && !info.is_gpu;
   info.usable = device.getInfo<CL_DEVICE_AVAILABLE>() != 0 &&
@@ -97,8 +97,8 @@ DeviceInfo describe(const cl::Device& device) {
 Quirks quirks_of(const DeviceInfo& info) {
   Quirks quirks;
   const std::string platform = lower(info.platform);
-  // Mesa's rusticl on a CPU ends the process at the prefetches of explicit vectors (its way to SPIR-V knows
-  // no llvm.prefetch); a GPU's shape runs.
+  // Mesa's rusticl on a CPU aborts at prefetches of explicit vectors (its SPIR-V translation lacks
+  // llvm.prefetch); GPU shapes run.
   quirks.prefers_explicit_vectors = info.is_cpu && platform.find("rusticl") == std::string::npos;
   quirks.compiles_at_first_launch = platform.find("portable computing language") != std::string::npos;
   const bool is_nvidia = platform.find("nvidia") != std::string::npos;
@@ -113,8 +113,8 @@ int rank(const DeviceInfo& info) { return info.is_gpu ? 0 : (info.is_cpu ? 1 : 2
 std::atomic<bool> is_used{false};
 std::atomic<bool> is_lost{false};
 
-/// In a child. Libraries that wait for their threads when the process ends would wait for ever, and what the
-/// parent still needs (folders of its own) would be removed: it ends with its files written and no more.
+/// Exits a forked child without running exit handlers: libraries would wait for ever for threads that do not
+/// exist, and folders that the parent still uses would be removed. Files are flushed.
 void lose_devices() {
   if (!is_used) return;
   is_lost = true;
@@ -128,11 +128,11 @@ void lose_devices() {
 }
 const int watches_forks = ::pthread_atfork(nullptr, nullptr, lose_devices);
 
-/// One thread at a time: drivers set themselves up when they are first asked, and not every one has a lock there.
+/// Serialises the first calls to drivers: they initialise themselves there, and not all of them lock.
 std::vector<Found> find_all() {
   std::vector<Found> found;
   need_own_process();
-  is_used = true;  // before the lock: a child that is forked meanwhile must not wait for it
+  is_used = true;  // before the lock: a child forked meanwhile must not wait for the lock
   static std::mutex driver;
   const std::lock_guard lock(driver);
   prepare_driver_cache();
@@ -198,7 +198,7 @@ const Found& choose(const std::vector<Found>& found, std::string_view request) {
     return *first;
   }
   const Found* match = nullptr;
-  // A number beyond the list may still be part of a name ("4090").
+  // A number beyond the list may be part of a name ("4090").
   if (const auto index = as_index(request); index && *index < found.size()) {
     match = &found[*index];
   } else {

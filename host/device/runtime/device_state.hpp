@@ -1,5 +1,5 @@
 #pragma once
-// What Device and Program handles point to. Only host/device/runtime/*.cpp includes this.
+// The objects behind Device and Program handles. Only host/device/runtime/*.cpp includes this header.
 #include <map>
 #include <memory>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace simuli::detail {
 
-/// Holds no Device: the Device's own table of programs refers to this.
+/// Holds no Device, because the Device's table of programs refers to this object.
 struct ProgramState {
   ProgramState() = default;
   ProgramState(const ProgramState&) = delete;
@@ -26,15 +26,15 @@ struct ProgramState {
   Precision precision = Precision::kFloat;
   cl::Program program;
   std::vector<std::string> kernel_names;
-  std::map<std::string, KernelDeclaration> declarations;  // of the text, by the kernel's name
+  std::map<std::string, KernelDeclaration> declarations;  // of the text's kernels, by name
 };
 
 struct DeviceState {
   DeviceState() = default;
   DeviceState(const DeviceState&) = delete;
   DeviceState& operator=(const DeviceState&) = delete;
-  /// Frames that nobody waited for may still be rendered: a program that ends meanwhile takes the driver away
-  /// from under its threads.
+  /// Waits for the queue: frames may still be rendering without a waiting caller, and a process that exits
+  /// meanwhile would unload the driver while its threads run.
   ~DeviceState() {
     if (Device::is_forked()) {
       queue() = nullptr;

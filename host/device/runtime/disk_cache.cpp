@@ -19,10 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A file is this line, then three little-endian 64-bit numbers (key length, binary length, checksum of
-// the binary), the key, the binary. The number in it goes up when the layout or the build changes.
+// A file contains this line, three little-endian 64-bit numbers (key length, binary length, checksum of the
+// binary), the key and the binary. The version increases when the layout or the build changes.
 constexpr std::string_view kMagic = "simuli program binary 1\n";
-// A program binary is megabytes; a file beyond this is not ours.
+// Program binaries have megabytes; a larger file is not a cache entry.
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30U;
 
 struct Numbers {
@@ -31,7 +31,7 @@ struct Numbers {
   std::uint64_t checksum;
 };
 
-// FNV-1a: names files and finds damage; the full key is what decides.
+// FNV-1a names files and detects damage; the comparison of the full key decides.
 std::uint64_t fnv1a(const void* data, std::size_t bytes) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   const auto* const first = static_cast<const unsigned char*>(data);
@@ -68,7 +68,7 @@ std::optional<std::string> environment(const char* name) {
 
 constexpr const char* kDriverCache = "POCL_CACHE_DIR";
 
-/// As PoCL finds it.
+/// Returns the folder by PoCL's own rules.
 fs::path usual_driver_cache() {
   if (const auto xdg = environment("XDG_CACHE_HOME"); xdg && !xdg->empty())
     return fs::path(*xdg) / "pocl/kcache";
@@ -78,17 +78,17 @@ fs::path usual_driver_cache() {
   return "/tmp/pocl/kcache";
 }
 
-/// Whether files can be written there, once its folders have been made.
+/// Creates the folder and returns whether files can be written in it.
 bool is_writable(fs::path folder) {
   std::error_code failed;
   while (!fs::exists(folder, failed) && folder.has_relative_path()) folder = folder.parent_path();
   constexpr std::uintmax_t kLeast = std::uintmax_t{16}
-                                    << 20U;  // a compiler that finds no room ends the process
+                                    << 20U;  // the compiler aborts when the disk is full
   return fs::is_directory(folder, failed) && ::access(folder.c_str(), W_OK | X_OK) == 0 &&
          fs::space(folder, failed).available >= kLeast;
 }
 
-/// Goes with the process.
+/// Removed when the process exits.
 class PrivateFolder {
  public:
   PrivateFolder() {
@@ -113,7 +113,7 @@ std::string& note() {
   return text;
 }
 
-/// Folders of crashes before the last: nobody needs them.
+/// Removes the folders of earlier crashes.
 void remove_older(const fs::path& folder, int crashes) {
   std::error_code ignored;
   for (int i = 1; i + 1 < crashes; ++i) fs::remove_all(folder / fmt::format("pocl.{}", i), ignored);
@@ -171,7 +171,7 @@ std::optional<fs::path> cache_folder() {
     if (own->empty()) return std::nullopt;
     return fs::path(*own);
   }
-  // The XDG rules: a relative path is to be ignored.
+  // The XDG specification requires ignoring relative paths.
   if (const auto xdg = environment("XDG_CACHE_HOME"); xdg && fs::path(*xdg).is_absolute()) {
     return fs::path(*xdg) / "simuli";
   }
@@ -268,7 +268,7 @@ void save_binary(const std::string& key, const ProgramBinary& binary) {
   const fs::path path = file_of(*folder, key);
   const fs::path temporary = fmt::format("{}.{}.{}.tmp", path.string(), ::getpid(), counter++);
   if (write_synced(temporary, bytes)) fs::rename(temporary, path, error);
-  // After a rename there is nothing left to remove; otherwise nothing half-written stays behind.
+  // Removes a partly written file; after the rename it does not exist.
   fs::remove(temporary, error);
 }
 

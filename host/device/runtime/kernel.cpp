@@ -24,7 +24,7 @@ struct TypeAlias {
   std::string_view name;
   std::string_view type;
 };
-// Text and drivers give an argument's type as written, typedef or not; these are the scalars of cl/shared.
+// Kernel texts and drivers may name a scalar by its typedef; these are the typedefs of cl/shared.
 constexpr std::array kAliases = {
     TypeAlias{"sim_f32", "float"},
     TypeAlias{"sim_i32", "int"},
@@ -35,7 +35,7 @@ constexpr std::array kAliases = {
     TypeAlias{"unsigned long", "ulong"},
 };
 
-// "struct Key *" -> "Key*", "real*" -> "double*": one spelling to compare.
+// Normalises a type for comparison: "struct Key *" -> "Key*", "real*" -> "double*".
 std::string canonical(std::string type, Precision precision) {
   while (!type.empty() && type.back() == '\0') type.pop_back();
   std::string stars;
@@ -67,7 +67,7 @@ std::string_view space_name(ArgumentSpace space) {
   return "a value";
 }
 
-// That the text was understood: what the driver knows of the kernel must be the same.
+// Checks the parsed declaration against the driver's argument info.
 void compare_with_driver(const cl::Kernel& kernel,
                          const std::string& name,
                          const KernelDeclaration& declaration,
@@ -84,7 +84,7 @@ void compare_with_driver(const cl::Kernel& kernel,
     try {
       type = canonical(kernel.getArgInfo<CL_KERNEL_ARG_TYPE_NAME>(i), precision);
     } catch (const cl::Error& error) {
-      // Drivers may give none, for instance for programs from a binary.
+      // Drivers may have no argument info, for instance for programs from a binary.
       if (error.err() == CL_KERNEL_ARG_INFO_NOT_AVAILABLE) return;
       throw;
     }
@@ -160,7 +160,7 @@ std::uint32_t Kernel::slot_of(const char* name, const PassedType& type, bool off
   if (at_ < slots_.size() && slots_[at_].name == name && slots_[at_].type == &type) {
     return slots_[at_++].index;
   }
-  // Another list than the last time.
+  // The argument list differs from the last launch.
   is_complete_ = false;
   slots_.resize(at_);
   const std::uint32_t index = find_slot(name, type, offered);
@@ -219,7 +219,7 @@ void Kernel::bind(const Binding& binding) {
   if (binding.memory_ != nullptr) {
     set_memory(index, *binding.memory_);
   } else if (binding.type_ == &detail::kPassedLocal) {
-    // OpenCL refuses an empty local argument.
+    // OpenCL does not accept an empty local argument.
     set(index, std::max<std::size_t>(binding.bytes_, 1), nullptr);
   } else if (binding.type_ != &detail::kPassedReal) {
     set(index, binding.bytes_, binding.value_.data());
@@ -248,7 +248,7 @@ void Kernel::run(const Range& global, const Range& local, std::initializer_list<
 
 void Kernel::run_over(std::size_t count, std::initializer_list<Binding> arguments) {
   if (group_ == 0) {
-    // Waves have 32 or 64 work-items on GPUs; CPUs only want few groups.
+    // GPU waves have 32 or 64 work-items; CPUs run best with few groups.
     const std::size_t usual = program_.device().info().is_cpu ? 32 : 64;
     group_ = std::min(usual, max_local_size());
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Kernels, whose arguments are bound by the names that their own text gives them.
+// Kernels. Launches bind arguments by the names in the kernel text.
 #include <array>
 #include <concepts>
 #include <cstddef>
@@ -16,7 +16,7 @@
 #include "host/device/runtime/program.hpp"
 #include "host/device/runtime/real_buffer.hpp"
 
-struct _cl_kernel;  // what a cl_kernel points to
+struct _cl_kernel;  // the object behind a cl_kernel
 
 namespace simuli {
 
@@ -50,37 +50,37 @@ class Range {
 
 class Kernel;
 
-/// What binds several arguments at once: a group of buffers that are known by the same names everywhere.
+/// A group of buffers with fixed argument names that one binding passes together.
 template <class T>
 concept ArgumentGroup = requires(T& group, Kernel& kernel) {
   group.offer_to(kernel);
 };
 
-/// One argument, or a group of them, for one launch: refers to buffers and groups, and has values by itself.
+/// One argument or one group of arguments of a launch. Refers to buffers and groups; stores values.
 class Binding {
  public:
-  /// __global T*, of a const Buffer const __global T*.
+  /// Binds `__global T*`, and `const __global T*` for a const Buffer.
   template <class T>
   Binding(ArgumentName name, Buffer<T>& buffer)
       : name_(name.text()), type_(&detail::kPassedBuffer<T>), memory_(&buffer.memory()) {}
   template <class T>
   Binding(ArgumentName name, const Buffer<T>& buffer)
       : name_(name.text()), type_(&detail::kPassedBuffer<const T>), memory_(&buffer.memory()) {}
-  /// __global real*, of a const RealBuffer const __global real*; of the program's precision.
+  /// Binds `__global real*`, and `const __global real*` for a const RealBuffer, of the program's precision.
   Binding(ArgumentName name, RealBuffer& buffer)
       : name_(name.text()), type_(&type_of(buffer)), memory_(&buffer.memory()) {}
   Binding(ArgumentName name, const RealBuffer& buffer)
       : name_(name.text()), type_(&type_of(buffer)), memory_(&buffer.memory()) {}
-  /// __global T*, T a struct of reals, likewise.
+  /// Binds `__global T*` for a struct T of reals, const likewise.
   template <template <class> class T>
   Binding(ArgumentName name, StructBuffer<T>& buffer)
       : name_(name.text()), type_(&type_of<T<double>>(buffer)), memory_(&buffer.memory()) {}
   template <template <class> class T>
   Binding(ArgumentName name, const StructBuffer<T>& buffer)
       : name_(name.text()), type_(&type_of<const T<double>>(buffer)), memory_(&buffer.memory()) {}
-  /// real by value, passed in the program's precision.
+  /// Binds a `real` by value, converted to the program's precision.
   Binding(ArgumentName name, double value) : name_(name.text()), type_(&detail::kPassedReal), real_(value) {}
-  /// Integers, float and shared structs by value.
+  /// Binds integers, float and shared structs by value.
   template <class T>
   requires(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T> && !std::is_same_v<T, bool> &&
            !std::is_same_v<T, double>) Binding(ArgumentName name, const T& value)
@@ -90,7 +90,7 @@ class Binding {
   }
   Binding(ArgumentName name, const Local& local)
       : name_(name.text()), type_(&detail::kPassedLocal), bytes_(local.bytes) {}
-  /// Those of the group's members that the kernel has an argument for; of a const group they are const.
+  /// Binds the members of the group that are arguments of the kernel; members of a const group are const.
   template <ArgumentGroup T>
   Binding(T& group)  // NOLINT(google-explicit-constructor)
       : group_(&group), offer_([](const void* g, Kernel& kernel) {
@@ -125,36 +125,37 @@ class Binding {
   void (*offer_)(const void*, Kernel&) = nullptr;
 };
 
-/// A kernel of a program. Every launch binds every argument once, by the name that the kernel's text gives
-/// it; types, const and address space are compared with the text's. What is missing, unknown, bound twice or
-/// of another type is Error{kKernel} naming kernel and argument, at the first launch with that list. Later
-/// launches with the same list compare addresses. Move-only: OpenCL keeps the arguments in the kernel object.
+/// A kernel of a program. Every launch binds every argument once, by its name in the kernel text; types, const
+/// and address space are checked against the text. A missing, unknown, repeated or wrongly typed argument throws
+/// Error{kKernel} with kernel and argument at the first launch with that list. Later launches with the same list
+/// only compare addresses. Move-only: OpenCL stores the arguments in the kernel object.
 ///   Kernel histogram(program, "histogram");
 ///   histogram.run(round_up(n, 64), 64, {{"values", values}, {"counts", counts}, {"n", n}});
 class Kernel {
  public:
   Kernel(const Program& program, std::string name);
 
-  /// Queues the kernel; does not wait. A global size of 0 in any dimension launches nothing.
-  /// Error{kKernel} naming kernel, global and local size when the driver refuses; Error{kInternal} for a
-  /// buffer of another device.
+  /// Queues the kernel; does not wait. A global size of 0 in any dimension launches nothing. Throws
+  /// Error{kKernel} with kernel, global and local size when the driver refuses the launch, and Error{kInternal}
+  /// for a buffer of another device.
   void run(const Range& global, const Range& local, std::initializer_list<Binding> arguments);
-  /// The same for at least `count` work-items that have nothing in common, in groups that suit the device and
-  /// that it runs this kernel with: whole waves on GPUs. Those beyond `count` must do nothing.
+  /// Queues at least `count` independent work-items in groups that suit the device: whole waves on GPUs.
+  /// Work-items beyond `count` must do nothing.
   void run_over(std::size_t count, std::initializer_list<Binding> arguments);
 
-  /// For ArgumentGroup::offer_to(): binds what the kernel has an argument for. `name`: a literal's address.
+  /// For ArgumentGroup::offer_to(): binds the member if the kernel has an argument of that name. `name` is a
+  /// literal's address.
   void offer(const char* name, const detail::PassedType& type, const detail::Memory& memory);
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  /// Largest local size the device runs this kernel with.
+  /// The largest local size that the device supports for this kernel.
   [[nodiscard]] std::size_t max_local_size() const;
 
  private:
   struct Release {
     void operator()(_cl_kernel* kernel) const noexcept;
   };
-  /// Where the last list's bindings went, in their order; kUnused: a group's that has no argument here.
+  /// Argument index of each binding of the last list; kUnused for a group's member without an argument.
   struct ArgumentSlot {
     const char* name = nullptr;
     const detail::PassedType* type = nullptr;
@@ -173,11 +174,11 @@ class Kernel {
   Program program_;
   std::string name_;
   std::unique_ptr<_cl_kernel, Release> kernel_;
-  const KernelDeclaration* declaration_;  // of the program
-  std::size_t group_ = 0;                 // of run_over(); 0: not asked yet
+  const KernelDeclaration* declaration_;  // owned by the program
+  std::size_t group_ = 0;                 // group size of run_over(); 0: not determined yet
   std::vector<ArgumentSlot> slots_;
-  std::size_t at_ = 0;        // of the launch under way
-  bool is_complete_ = false;  // slots_ has every argument once
+  std::size_t at_ = 0;        // next binding of the current launch
+  bool is_complete_ = false;  // slots_ contains every argument once
 };
 
 }  // namespace simuli

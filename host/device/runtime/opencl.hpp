@@ -1,6 +1,6 @@
 #pragma once
-// For callers who work with OpenCL themselves: the plain handles of what the library made, and a Device on
-// what they made. Nobody else needs to know that there is OpenCL.
+// For callers that use OpenCL directly: plain handles of the library's objects, and a Device on the caller's
+// objects. No other header exposes OpenCL.
 #ifndef CL_TARGET_OPENCL_VERSION
 #define CL_TARGET_OPENCL_VERSION 120
 #endif
@@ -12,7 +12,7 @@
 
 namespace simuli::opencl {
 
-// Borrowed, not retained: valid as long as the Device or the Buffer.
+// Handles are borrowed, not retained: they are valid during the lifetime of the Device or the Buffer.
 [[nodiscard]] cl_context context(const Device& device);
 [[nodiscard]] cl_command_queue queue(const Device& device);
 [[nodiscard]] cl_device_id device_id(const Device& device);
@@ -24,6 +24,6 @@ template <class T>
 }
 [[nodiscard]] inline cl_mem memory(const RealBuffer& buffer) { return buffer.memory().handle(); }
 
-// The other way: Device::adopt(cl_context, cl_command_queue).
+// Device::adopt(cl_context, cl_command_queue) makes a Device of the caller's objects.
 
 }  // namespace simuli::opencl

@@ -58,7 +58,7 @@ _cl_event* Event::handle() const { return state_->event(); }
 
 namespace {
 
-/// Queues that `bytes` bytes of a buffer are read into `target`.
+/// Queues a read of `bytes` bytes of a buffer into `target`.
 void start_reading(const detail::Memory& memory, std::size_t bytes, void* target, cl::Event& done) {
   cl_call(
       ErrorKind::kDevice,
@@ -75,7 +75,7 @@ void start_reading(const detail::Memory& memory, std::size_t bytes, void* target
       });
 }
 
-/// The driver writes until then; errors are told to whoever waits for it, and nothing is written any more.
+/// Waits until the driver has stopped writing. Errors are ignored here; Event::wait() reports them.
 void wait_quietly(const Event& done) {
   cl_event event = done.handle();
   if (!Device::is_forked()) static_cast<void>(clWaitForEvents(1, &event));
@@ -112,7 +112,7 @@ Download& Download::operator=(Download&& other) noexcept {
   return *this;
 }
 
-// Where the driver writes stays until it has: frames that nobody wants any more are not waited for.
+// The target memory lives until the driver has written it, so that discarded frames need no wait.
 Download::~Download() {
   if (!state_ || Device::is_forked() || (state_->floats.empty() && state_->doubles.empty())) return;
   using Written = std::pair<std::vector<float>, std::vector<double>>;

@@ -1,5 +1,5 @@
 #pragma once
-// What the device has been asked for and need not have done yet.
+// Work that is queued on a device and may not have finished.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -8,20 +8,20 @@
 
 #include "host/device/runtime/real_buffer.hpp"
 
-struct _cl_event;  // what a cl_event points to (host/apps/api/opencl.h)
+struct _cl_event;  // the object behind a cl_event (host/apps/api/opencl.h)
 
 namespace simuli {
 
-/// When everything that was queued on a device so far is done. A handle.
+/// Completion of all work that was queued on a device before the event. A handle.
 class Event {
  public:
   explicit Event(const Device& device);
 
-  /// Whether it is done; does not wait. Error{kDevice} when it failed.
+  /// Whether the work has finished; does not wait. Throws Error{kDevice} when it failed.
   [[nodiscard]] bool is_done() const;
-  /// Until it is done, or Interruption::ask() throws. Error{kDevice} when it failed.
+  /// Waits until the work has finished or Interruption::ask() throws. Throws Error{kDevice} when it failed.
   void wait() const;
-  /// Borrowed: valid as long as any copy.
+  /// Borrowed: valid during the lifetime of any copy.
   [[nodiscard]] _cl_event* handle() const;
 
  private:
@@ -32,11 +32,11 @@ class Event {
   std::shared_ptr<State> state_;
 };
 
-/// The content of a buffer on its way to the host, as it is when everything that was queued before is done;
-/// what is queued later may write to the buffer. Move-only.
+/// A queued download of a buffer: its content after all work that was queued before. Work that is queued later
+/// may write to the buffer. Move-only.
 class Download {
  public:
-  /// Starts it; does not wait.
+  /// Queues the download; does not wait.
   explicit Download(const RealBuffer& buffer);
   Download(Download&&) noexcept;
   Download& operator=(Download&&) noexcept;
@@ -45,7 +45,7 @@ class Download {
   ~Download();
 
   [[nodiscard]] bool is_done() const;
-  /// Waits, and gives the values, which can be taken once. Errors as Event::wait().
+  /// Waits and returns the values; may be called once. Errors as Event::wait().
   [[nodiscard]] std::vector<float> take();
 
  private:
@@ -53,10 +53,10 @@ class Download {
   std::unique_ptr<State> state_;
 };
 
-/// The same of bytes. Move-only; its destructor waits.
+/// The untyped part of PendingRead<T>. Move-only; its destructor waits.
 class ByteDownload {
  public:
-  /// Starts it; does not wait.
+  /// Queues the download; does not wait.
   explicit ByteDownload(const Buffer<std::uint8_t>& buffer);
   ByteDownload(ByteDownload&&) noexcept;
   ByteDownload& operator=(ByteDownload&&) noexcept;
@@ -64,7 +64,7 @@ class ByteDownload {
   ByteDownload& operator=(const ByteDownload&) = delete;
   ~ByteDownload();
 
-  /// Waits, and gives the bytes, which can be taken once. Errors as Event::wait().
+  /// Waits and returns the bytes; may be called once. Errors as Event::wait().
   [[nodiscard]] std::string take();
 
  private:

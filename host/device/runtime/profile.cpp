@@ -9,7 +9,7 @@
 namespace simuli {
 namespace {
 
-// Events kept before their times are read: bounds the memory of a long run at one wait per so many launches.
+// Events stored before their times are read: limits memory in long runs to one wait per so many launches.
 constexpr std::size_t kMaxPending = 4096;
 constexpr double kMsPerNs = 1e-6;
 

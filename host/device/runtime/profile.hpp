@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-struct _cl_event;  // what a cl_event points to
+struct _cl_event;  // the object behind a cl_event
 
 namespace simuli {
 
-/// Time on the device of all launches of one kernel.
+/// Device time of all launches of one kernel.
 struct ProfileRow {
   std::string kernel;
   std::uint64_t count = 0;
@@ -18,18 +18,18 @@ struct ProfileRow {
   double min_ms = 0;
 };
 
-/// Kernel times of one Device, from OpenCL events. Disabled (the default) it keeps nothing.
+/// Kernel times of one Device, from OpenCL events. It is disabled by default and then records nothing.
 class Profile {
  public:
   explicit Profile(bool enabled) : enabled_(enabled) {}
 
   [[nodiscard]] bool enabled() const { return enabled_; }
-  /// Rows since the last reset(), most expensive first. Waits for the launches recorded so far.
+  /// Returns the rows since the last reset(), most expensive first. Waits for the recorded launches.
   [[nodiscard]] std::vector<ProfileRow> rows();
-  /// Forgets everything recorded so far.
+  /// Discards all recorded launches.
   void reset();
 
-  /// Called by each launch when enabled(). Takes the event over.
+  /// Records a launch; called by each launch when enabled(). Takes ownership of the event.
   void record(const std::string& kernel, _cl_event* event);
 
  private:

@@ -30,7 +30,7 @@ cl::Program compile(const Device& device,
   auto program =
       cl_call(ErrorKind::kKernel, context, [&] { return cl::Program(device.state().context, source); });
   try {
-    // clBuildProgram, not compile and link: drivers cache this call.
+    // clBuildProgram rather than compile and link, because drivers cache this call.
     program.build({device.state().device}, options.c_str());
   } catch (const cl::Error& error) {
     throw Error(ErrorKind::kKernel,
@@ -44,7 +44,7 @@ cl::Program compile(const Device& device,
   return program;
 }
 
-// A stored binary the driver doesn't take is no error: the caller compiles instead.
+// A stored binary that the driver rejects is not an error: the caller compiles instead.
 std::optional<cl::Program> from_binary(const Device& device,
                                        const ProgramBinary& binary,
                                        const std::string& options) {
@@ -59,7 +59,7 @@ std::optional<cl::Program> from_binary(const Device& device,
   }
 }
 
-// Nothing when the driver doesn't hand its binary out, which costs only the cache.
+// Returns no value when the driver does not return its binary; only the cache is lost then.
 std::optional<ProgramBinary> binary_of(const cl::Program& program, const cl::Device& device) {
   try {
     const auto devices = program.getInfo<CL_PROGRAM_DEVICES>();
@@ -75,7 +75,7 @@ std::optional<ProgramBinary> binary_of(const cl::Program& program, const cl::Dev
 
 std::vector<std::string> names_of(const cl::Program& program) {
   std::vector<cl::Kernel> kernels;
-  // Creating them all also makes lazy drivers compile, so that what is stored is complete.
+  // Creating all kernels makes lazy drivers compile, so that the stored binary is complete.
   cl::Program(program).createKernels(&kernels);
   std::vector<std::string> names;
   for (const cl::Kernel& kernel : kernels) {
@@ -109,7 +109,7 @@ Program::Program(const Device& device, const Expanded& expanded, const BuildOpti
   std::optional<cl::Program> stored;
   if (const auto binary = load_binary(key)) stored = from_binary(device, *binary, text);
   origin_ = stored ? ProgramOrigin::kDisk : ProgramOrigin::kCompiled;
-  std::optional<Activity> compiling;  // also while the kernels are made: lazy drivers compile then
+  std::optional<Activity> compiling;  // includes the creation of kernels, when lazy drivers compile
   if (!stored) compiling.emplace("compiling " + expanded.shown);
   state->program = stored ? *stored : compile(device, expanded.shown, expanded.source, text);
   state->kernel_names = cl_call(

@@ -13,19 +13,18 @@ namespace detail {
 struct ProgramState;
 }
 
-/// Where a program came from: the compiler, the disk cache, or this Device's earlier programs.
+/// Origin of a program: the compiler, the disk cache, or an earlier program of this Device.
 enum class ProgramOrigin { kCompiled, kDisk, kMemory };
 
-/// Kernel text built for one device, with those of the options that it names. A handle: copies refer to the
-/// same program, and the same text with the same options is built once per Device. Error{kKernel} naming
-/// file, options and build log when it doesn't build; Error{kDevice} for Precision::kDouble on a device
-/// without fp64.
+/// A kernel text built for one device with the options that the text uses. A handle: copies refer to the same
+/// program, and each Device builds the same text and options once. Throws Error{kKernel} with file, options and
+/// build log when the build fails, and Error{kDevice} for Precision::kDouble on a device without fp64.
 class Program {
  public:
   /// `path` is relative to cl/: "kernels/bin.cl".
   Program(const Device& device, std::string_view path, const BuildOptions& options = {});
 
-  /// Builds text given directly; it may include the files of cl/. `name` stands for its path in logs.
+  /// Builds the given text, which may include files of cl/. Logs show `name` as its path.
   [[nodiscard]] static Program from_text(const Device& device,
                                          std::string_view name,
                                          std::string_view text,
@@ -50,12 +49,12 @@ class Program {
   ProgramOrigin origin_ = ProgramOrigin::kCompiled;
 };
 
-/// A program as the device's compiler got it.
+/// The inputs of one program build.
 struct BuiltProgram {
-  std::string path;  // "cl/kernels/bin.cl", or the name of a text
+  std::string path;  // "cl/kernels/bin.cl", or the name of a given text
   std::string options;
 };
-/// What was built for the device so far, each once.
+/// Returns all programs built for the device so far, each once.
 [[nodiscard]] std::vector<BuiltProgram> built_programs(const Device& device);
 
 }  // namespace simuli

@@ -10,8 +10,8 @@
 
 namespace simuli {
 
-/// An array of `real`: float or double as chosen at run time, for kernel arguments of `real`.
-/// Host values of the other type are converted, each rounded to nearest. Rules and errors of Buffer<T>.
+/// An array for kernel arguments of type `real`: float or double, chosen at run time. Host values of the other
+/// type are rounded to nearest. Rules and errors as for Buffer<T>.
 class RealBuffer {
  public:
   RealBuffer(const Device& device, const std::string& name, Precision precision, std::size_t count = 0);
@@ -28,7 +28,7 @@ class RealBuffer {
   [[nodiscard]] std::vector<float> download_float() const;
   [[nodiscard]] std::vector<double> download_double() const;
   void fill(double value);
-  /// Device-side copy; precision and count are the same.
+  /// Copies on the device; precision and count must be the same.
   void copy_from(const RealBuffer& source);
   /// Swaps the content with that of `other`, of the same precision, without a copy; each keeps its name.
   void exchange(RealBuffer& other) noexcept { memory().exchange(other.memory()); }
@@ -39,7 +39,7 @@ class RealBuffer {
   [[nodiscard]] const detail::Memory& memory() const;
   [[nodiscard]] detail::Memory& memory();
 
-  /// The typed buffer inside; Error{kInternal} when the precision is the other one.
+  /// Returns the typed buffer. Throws Error{kInternal} when the precision differs.
   [[nodiscard]] Buffer<float>& as_float();
   [[nodiscard]] const Buffer<float>& as_float() const;
   [[nodiscard]] Buffer<double>& as_double();
@@ -49,8 +49,8 @@ class RealBuffer {
   std::variant<Buffer<float>, Buffer<double>> buffer_;
 };
 
-/// Structs of `real`s (cl/shared/reals.h), one behind the other, for kernel arguments of T. Counts
-/// and values are those of the reals: shared::kReals<T> and shared::reals_of().
+/// An array of structs of `real`s (cl/shared/reals.h) for kernel arguments of type T. Counts and values refer to
+/// single reals: shared::kReals<T> and shared::reals_of().
 template <template <class> class T>
 class StructBuffer : public RealBuffer {
  public:

@@ -53,7 +53,7 @@ std::string_view trimmed_left(std::string_view text) {
   return text;
 }
 
-// The directive's words after '#', or nothing when the line is no directive.
+// Returns the words of a directive after '#'; no value when the line is not a directive.
 std::string_view directive(std::string_view line) {
   line = trimmed_left(line);
   if (!line.starts_with('#')) return {};
@@ -80,7 +80,7 @@ bool is_pragma_once(std::string_view line) {
 
 class Expander {
  public:
-  // `path` is relative to cl/; `shown` is what #line names.
+  // `path` is relative to cl/; #line directives contain `shown`.
   void splice(const fs::path& path, const std::string& shown, std::string_view text) {
     out_ += fmt::format("#line 1 \"{}\"\n", shown);
     for (std::size_t number = 1; !text.empty(); ++number) {
