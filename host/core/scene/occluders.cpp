@@ -15,18 +15,32 @@ bool is_same(const Pose& a, const Pose& b) {
 
 }  // namespace
 
+std::optional<std::size_t> OwnerNumbers::vista_of(std::uint32_t number) const {
+  if (number < vista(0) || number >= behind(0)) return std::nullopt;
+  return number - vista(0);
+}
+
+std::optional<std::size_t> OwnerNumbers::occluder_of(std::uint32_t number) const {
+  if (number < behind(0) || number > largest()) return std::nullopt;
+  return (number - behind(0)) / 2;
+}
+
+OwnerNumbers owner_numbers(const Scene& scene) {
+  OwnerNumbers numbers{scene.actors.size(), scene.vistas.size(), scene.occluders.size()};
+  for (const Vista& vista : scene.vistas) numbers.occluders += vista.occluders.size();
+  return numbers;
+}
+
 std::uint32_t number_of_vista(const Scene& scene, std::size_t index) {
-  return static_cast<std::uint32_t>(scene.actors.size() + index + 1);
+  return owner_numbers(scene).vista(index);
 }
 std::uint32_t number_behind(const Scene& scene, std::size_t index) {
-  return static_cast<std::uint32_t>(scene.actors.size() + scene.vistas.size() + 2 * index + 1);
+  return owner_numbers(scene).behind(index);
 }
 std::uint32_t number_instead(const Scene& scene, std::size_t index) {
-  return number_behind(scene, index) + 1;
+  return owner_numbers(scene).instead(index);
 }
-std::size_t most_numbers(const Scene& scene) {
-  return scene.actors.size() + scene.vistas.size() + 2 * occluders_of(scene).size();
-}
+std::size_t most_numbers(const Scene& scene) { return owner_numbers(scene).largest(); }
 
 std::vector<Occluder> occluders_of(const Scene& scene) {
   std::vector<Occluder> out;
@@ -70,9 +84,9 @@ std::vector<ActorView> owners_during(const Scene& scene,
 }
 
 bool has_particles_of_actors(const Scene& scene, const GaussianSet& set) {
-  return std::any_of(set.actor.begin(), set.actor.end(), [&](std::uint32_t number) {
-    return number > 0 && number <= scene.actors.size();
-  });
+  const OwnerNumbers numbers = owner_numbers(scene);
+  return std::any_of(
+      set.actor.begin(), set.actor.end(), [&](std::uint32_t number) { return numbers.is_actor(number); });
 }
 
 void make_room_for_actor(const Scene& scene, GaussianSet& set) {

@@ -13,6 +13,29 @@
 
 namespace simuli {
 
+/// The one layout of GaussianSet::actor: 0 is the background, then follow the actors, the vistas, and for each
+/// occluder two numbers: the particles behind it, and the particles instead of those. The view of number n is
+/// owners_during()[n - 1].
+struct OwnerNumbers {
+  std::size_t actors = 0, vistas = 0, occluders = 0;  // how many there are
+
+  [[nodiscard]] std::uint32_t actor(std::size_t index) const { return at(index); }
+  [[nodiscard]] std::uint32_t vista(std::size_t index) const { return at(actors + index); }
+  [[nodiscard]] std::uint32_t behind(std::size_t index) const { return at(actors + vistas + 2 * index); }
+  [[nodiscard]] std::uint32_t instead(std::size_t index) const { return behind(index) + 1; }
+  [[nodiscard]] std::size_t largest() const { return actors + vistas + 2 * occluders; }
+
+  [[nodiscard]] bool is_actor(std::uint32_t number) const { return number > 0 && number <= actors; }
+  /// Returns the index of the vista; empty for the number of another owner.
+  [[nodiscard]] std::optional<std::size_t> vista_of(std::uint32_t number) const;
+  /// Returns the index of the occluder that the particles are behind or instead of; empty for another owner.
+  [[nodiscard]] std::optional<std::size_t> occluder_of(std::uint32_t number) const;
+
+ private:
+  static std::uint32_t at(std::size_t owners_before) { return static_cast<std::uint32_t>(owners_before + 1); }
+};
+[[nodiscard]] OwnerNumbers owner_numbers(const Scene& scene);
+
 /// GaussianSet::actor of what is of Scene::vistas[index], in the scene's frame.
 [[nodiscard]] std::uint32_t number_of_vista(const Scene& scene, std::size_t index);
 /// An actor that hides something; of which vista, if of one.

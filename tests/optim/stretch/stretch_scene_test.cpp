@@ -113,6 +113,23 @@ TEST_F(StretchSceneTest, BecomeOneWithAVistaEach) {
   EXPECT_EQ(places(one.lidar, 0), places(stretch().lidar, 0));
 }
 
+// The numbers of what occluders hide follow those of the part's own vistas.
+TEST_F(StretchSceneTest, PartsWithVistasKeepWhatIsHidden) {
+  std::vector<StretchScene> parts(2);
+  for (StretchScene& part : parts) {
+    part.scene.actors = part.scene.occluders = log_.actors;
+    part.scene.vistas = {{{Eigen::Vector3d::Zero()}}};
+    part.scene.camera =
+        set_at(SetKind::kCamera, {1.0, 2.0}, {number_behind(part.scene, 0), number_instead(part.scene, 0)});
+  }
+  const auto part = [&](std::size_t i) -> const StretchScene& { return parts[i]; };
+  const Scene one = merged(2, part, log_.actors, parting_);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(places(one.camera, number_behind(one, i)), std::vector<float>{1.0F});
+    EXPECT_EQ(places(one.camera, number_instead(one, i)), std::vector<float>{2.0F});
+  }
+}
+
 // A drive is long, and what hides a part of one stretch was recorded near it.
 TEST_F(StretchSceneTest, OccludersAreKnownNearTheirStretch) {
   Log log;
