@@ -114,7 +114,7 @@ struct Operations {
 constexpr Operations kCameraOperations{1037, 880, 6}, kLidarOperations{1970, 879, 143};
 constexpr std::uint64_t kRespond = 24, kRespondWithOrigins = 57;  // a lane looked at
 constexpr std::uint64_t kBlend = 31, kBlendBackward = 123;        // a lane of a vector that changes
-constexpr std::uint64_t kSum = 20, kBackwardSlot = 9;             // a lane of an pair; a slot
+constexpr std::uint64_t kSum = 20, kBackwardSlot = 9;             // a lane of a pair; a slot
 
 }  // namespace
 

@@ -77,10 +77,12 @@ __kernel void tiling_keys(__global const float* elevation,
   order[i] = i;
 }
 
-/// Rays without rows, from top to bottom, cut into rows: at the boundaries of elevation groups, and wherever
-/// a tile column of the row holds `width` rays. One work-item. in  order[n]: rays by falling elevation;
-/// column_of_bin of x; group_of_bin of elevations out row_starts[rows + 1]: into `order`; group_of_row[rows];
-/// rows[1], most_rows + 1 where they are more scratch used[2][columns]
+/// Cuts rays that have no rows, from top to bottom, into rows: at the boundaries of elevation groups, and wherever
+/// a tile column of the row holds `width` rays. One work-item.
+/// in  order[n]: rays by falling elevation; column_of_bin[x_bins] of x; group_of_bin[bins] of elevations
+/// out row_starts[rows + 1]: first ray of each row, as an index into `order`; group_of_row[rows]: elevation group
+///     rows[1]: their number; most_rows + 1 where there are more than most_rows
+/// scratch used[2][columns]
 __kernel void tiling_list_rows(__global const uint* order,
                                const uint n,
                                __global const float* x,
@@ -106,7 +108,7 @@ __kernel void tiling_list_rows(__global const uint* order,
     const uint ray = order[i];
     const uint own = group_of_bin[tiling_bin(elevation[ray], first, scale, bins)];
     const uint c = column_of_bin[tiling_bin(x[ray], x_first, x_scale, x_bins)];
-    // used[columns + c] tells the row, from 1, that used[c] counts.
+    // used[c] counts rays of row used[columns + c], from 1, in tile column c.
     const uint full = used[columns + c] == row && used[c] == width;
     if (i == 0 || own != group || full) {
       if (row == most_rows) {
@@ -126,9 +128,8 @@ __kernel void tiling_list_rows(__global const uint* order,
 
 /// Tile rows: the rows of each elevation group, a group of more than `most` in even parts. One work-item.
 /// in  group_of_row[rows]
-/// out tile_rows[tile rows + 1]: first row of each; tile_row_of_row[rows]; found[3]: tile rows, most and
-/// fewest
-///     rows of one
+/// out tile_rows[tile rows + 1]: first row of each; tile_row_of_row[rows]
+///     found[3]: number of tile rows; rows of the largest; rows of the smallest
 __kernel void tiling_tile_rows(__global const uint* group_of_row,
                                const uint rows,
                                const uint most,
@@ -156,11 +157,12 @@ __kernel void tiling_tile_rows(__global const uint* group_of_row,
   found[2] = smallest;
 }
 
-/// Every ray's slot: its tile, the slots of its row there, and its turn among the row's rays in that tile.
-/// One work-item per row. in  x[n]; order[n]: rays by row; row_starts[rows + 1]: into `order`; width: slots
-/// of a row in a tile out slot_of_ray[n]; used[rows][columns]: rays of each row in each tile; fullest[rows],
-/// of that row. Where
-///     it exceeds `width` slots are not to be used
+/// Computes every ray's slot: from its tile, from the slots of its row in the tile, and from its position among the
+/// row's rays in the tile. One work-item per row.
+/// in  x[n]; order[n]: rays by row; row_starts[rows + 1]: first ray of each row, as an index into `order`
+///     column_of_bin[bins]; tile_rows, tile_row_of_row of tiling_tile_rows; width: slots of a row in a tile
+/// out slot_of_ray[n]: invalid where a value of `fullest` exceeds `width`
+///     used[rows][columns]: rays of each row in each tile column; fullest[rows]: the largest value of used[row]
 __kernel void tiling_slots(__global const float* x,
                            __global const uint* order,
                            __global const uint* row_starts,

@@ -18,7 +18,7 @@ struct Blending {
 #endif
 };
 
-/// What the rays of a tile add to an pair.
+/// What the rays of a tile add to a pair.
 typedef struct {
   F grad[SIM_GRAD];
   F error;
@@ -78,7 +78,7 @@ FN void add_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blend
 }
 
 /// Replays render front to back with the stored result: what lies behind a particle is the result minus
-/// what has been summed so far. No atomics: an pair's sums go to its own slot.
+/// what has been summed so far. No atomics: a pair's sums go to its own slot.
 /// Build: ERRORS = 1 to blend the rays' errors as well; RAY_ORDER = 1 where rays have orders of their own, which
 /// replay_window has gone through: here it is still particle by particle. Tiles from tile_first on.
 /// in  as render; out[6][slots] of render; grad_out[5][slots]: dL/d(features, T, distance); with RAY_ORDER

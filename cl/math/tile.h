@@ -14,7 +14,7 @@
 #define SIM_VECTOR_SLOT(j, lid) (((j)*LS + (lid)) * V)
 #define SIM_VECTOR_ROW(j, lid) (SIM_VECTOR_SLOT(j, lid) / SIM_RAY_BLOCK)
 
-/// The slot rows that an pair touches, a bit each.
+/// The slot rows that a pair touches, a bit each.
 FN uint rows_of(uint payload) {
   const uint first = payload >> SIM_PARTICLE_BITS & 15u, last = payload >> (SIM_PARTICLE_BITS + 4);
 #if SENSOR == SENSOR_CAMERA

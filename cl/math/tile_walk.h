@@ -5,7 +5,7 @@
 #include "math/tile.h"
 
 struct Blending;
-/// What a kernel does with an pair, for each of vectors_of() its payload that is alive.
+/// What a kernel does with a pair, for each of vectors_of() its payload that is alive.
 FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blending* blending);
 
 #if LS > 1

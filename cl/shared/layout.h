@@ -68,7 +68,7 @@ typedef int sim_i32;
 #define SIM_O_DROP 6  // LiDARs: ln(p / (1 - p)), p the probability that the ray doesn't return
 #define SIM_OUTPUTS 7
 
-// Payload of an pair: particle in the low 24 bits, first and last slot row in the high 8; of blocks two opposite
+// Payload of a pair: particle in the low 24 bits, first and last slot row in the high 8; of blocks two opposite
 // corners.
 #define SIM_PARTICLE_BITS 24
 #define SIM_PARTICLE_MASK 0xffffffu

@@ -69,6 +69,14 @@ const Other* other_kind(const fs::path& file) {
   return kind == kKinds.end() ? nullptr : kind;
 }
 
+/// Returns the name in an entry of a YAML list, without blanks and quotes around it: `"a_0.mcap"` is a_0.mcap.
+std::string name_of(std::string_view entry) {
+  constexpr std::string_view kAround = "\"' \t\r";
+  const std::size_t first = entry.find_first_not_of(kAround);
+  if (first == std::string_view::npos) return {};
+  return std::string(entry.substr(first, entry.find_last_not_of(kAround) + 1 - first));
+}
+
 /// Only this file tells of messages that the recorder compressed one by one, which are no CDR, and of parts that are
 /// not there. It keeps its names when the parts are renamed.
 void need_whole(const fs::path& metadata, std::size_t parts) {
@@ -87,8 +95,11 @@ void need_whole(const fs::path& metadata, std::size_t parts) {
   std::getline(lines, line);
   std::size_t named = 0;
   for (; lines >> line && line == "-" && std::getline(lines >> std::ws, line); ++named) {
-    const fs::path part(line.substr(line.find_first_not_of("\"'"), line.find_last_not_of("\"' \r") + 1));
-    if (!is_there(metadata.parent_path() / part.filename())) missing += (missing.empty() ? "" : ", ") + line;
+    const std::string part = name_of(line);
+    if (part.empty())
+      throw_input_error(metadata.string(), "relative_file_paths", "an empty name", "names of files");
+    if (!is_there(metadata.parent_path() / fs::path(part).filename()))
+      missing += (missing.empty() ? "" : ", ") + part;
   }
   if (parts < named) {
     throw_input_error(metadata.string(),

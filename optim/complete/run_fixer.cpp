@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -81,12 +82,17 @@ class ProcessGroup {
   ProcessGroup& operator=(const ProcessGroup&) = delete;
   ~ProcessGroup() { spare_at_end(leader_); }
 
-  /// Its status. What Interruption::ask() throws ends it.
-  [[nodiscard]] int wait() const {
+  /// Waits for the program and returns its status as of waitpid(). Error{kInput} where the system has none: the
+  /// process ignores SIGCHLD, or another thread has waited for the program. Kills the group when
+  /// Interruption::ask() throws.
+  [[nodiscard]] int wait(const std::string& command) const {
     constexpr std::chrono::milliseconds kLookAgain{20};
     int status = 0;
     try {
-      while (::waitpid(leader_, &status, WNOHANG) == 0) {
+      for (;;) {
+        const pid_t ended = ::waitpid(leader_, &status, WNOHANG);
+        if (ended == leader_) return status;
+        if (ended < 0 && errno != EINTR) break;
         Interruption::ask();
         std::this_thread::sleep_for(kLookAgain);
       }
@@ -95,7 +101,10 @@ class ProcessGroup {
       ::waitpid(leader_, &status, 0);
       throw;
     }
-    return status;
+    refuse(command,
+           "end",
+           "no exit code, as SIGCHLD is ignored or another thread has waited for the program",
+           "exit code 0");
   }
 
  private:
@@ -108,7 +117,7 @@ void run(const std::string& command, const fs::path& in, const fs::path& out) {
   std::transform(
       words.begin(), words.end(), arguments.begin(), [](std::string& word) { return word.data(); });
   const ProcessGroup group(command, arguments.data());
-  const int status = group.wait();
+  const int status = group.wait(command);
   if (WIFSIGNALED(status)) refuse(command, "end", fmt::format("signal {}", WTERMSIG(status)), "exit code 0");
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     refuse(command, "end", fmt::format("exit code {}", WEXITSTATUS(status)), "exit code 0");

@@ -41,11 +41,12 @@ class BackgroundProgram {
   BackgroundProgram& operator=(const BackgroundProgram&) = delete;
 
   [[nodiscard]] pid_t process() const { return pid_; }
-  /// Sends a signal and waits for the end: the exit code, or minus the signal that ended it.
+  /// Sends a signal and waits for the end: the exit code, minus the signal that ended it, or -1 where
+  /// the system has no exit code.
   int end_by(int signal) {
     ::kill(pid_, signal);
     int status = 0;
-    ::waitpid(std::exchange(pid_, -1), &status, 0);
+    if (::waitpid(std::exchange(pid_, -1), &status, 0) < 0) return -1;
     return WIFSIGNALED(status) ? -WTERMSIG(status) : WEXITSTATUS(status);
   }
 

@@ -187,6 +187,8 @@ TEST_F(CommandTest, UnknownWordsAreAnsweredWithTheNearest) {
             "--help)");
   EXPECT_EQ(refusal({"draw", "f", "--xyzzy"}),
             "found option \"--xyzzy\", allowed those of program draw (program draw --help)");
+  EXPECT_EQ(refusal({"draw", "f", "-p"}),  // -h is an option of both
+            "found option \"-p\", did you mean -h, -v? allowed those of program draw (program draw --help)");
   EXPECT_EQ(refusal({"draw", "f", "g"}), "found \"g\", allowed no further value (program draw --help)");
   EXPECT_EQ(runs_, 0);
 }

@@ -450,6 +450,30 @@ TEST_F(SceneCli, OtherFormatsOut) {
   setenv("PATH", path.c_str(), 1);
 }
 
+/// Programs that start simuli may hand on an ignored SIGCHLD, with which the system keeps no exit code of a child.
+TEST_F(SceneCli, ExitCodesOfProgramsAreReadWhereSigchldIsIgnored) {
+  make_street_scene();
+  const auto run_ignoring = [&](const std::string& arguments) {
+    return run_line(fmt::format(
+        "PATH=\"$PWD:$PATH\" bash -c 'trap \"\" CHLD; exec \"$@\"' bash '{}' {}", program_, arguments));
+  };
+  const auto write_program = [&](const char* name, const char* text) {
+    std::ofstream(folder_ / name) << "#!/bin/sh\n" << text;
+    fs::permissions(folder_ / name, fs::perms::owner_all);
+  };
+  write_program("ffmpeg", "for last; do :; done\ncat > \"$last\"\n");
+  const Outcome video = run_ignoring("render s.scene --sensor front --times 0:0.1:0.1 -o v.mp4");
+  EXPECT_EQ(video.exit_code, 0) << video.err;
+  EXPECT_TRUE(fs::exists(folder_ / "v.mp4"));
+
+  write_program("copy_and_fail", "cd \"$1\"\nfor f in 0*[0-9].png; do cp $f \"$2/\"; done\nexit 5\n");
+  const Outcome train = run_ignoring(
+      "train s.log -o f.scene --iterations 8 --fixer copy_and_fail --set init.voxel_m=0.3 fixer.views=1");
+  EXPECT_EQ(train.exit_code, kInput) << train.err;
+  EXPECT_NE(train.err.find("found exit code 5"), std::string::npos) << train.err;
+  EXPECT_FALSE(fs::exists(folder_ / "f.scene"));
+}
+
 /// Cameras alone: photographs of the street with the poses that its log tells.
 TEST_F(SceneCli, PhotographsAreEnough) {
   ASSERT_EQ(run("synth street -o s.log --frames 10 --image-width 64 --image-height 36 --lidar-columns 90 "

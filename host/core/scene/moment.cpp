@@ -55,12 +55,11 @@ GaussianSet joined(const std::vector<GaussianSet>& parts) {
   return out;
 }
 
-/// Of which visibility_set the particles of owners_during()[index] are.
-std::optional<std::size_t> visibility_set_of(const Scene& scene, std::size_t index) {
-  if (index < scene.actors.size()) return std::nullopt;
-  index -= scene.actors.size();
-  if (index < scene.visibility_sets.size()) return index;
-  return occluders_of(scene)[(index - scene.visibility_sets.size()) / 2].visibility_set;
+/// Returns the visibility_set that particles of a number are of, either directly or through an occluder of the visibility_set.
+std::optional<std::size_t> visibility_set_of(const Scene& scene, std::uint32_t number) {
+  const OwnerNumbers numbers = owner_numbers(scene);
+  if (const auto occluder = numbers.occluder_of(number)) return occluders_of(scene)[*occluder].visibility_set;
+  return numbers.visibility_set_of(number);
 }
 
 const GaussianSet& set_of(const Scene& scene, SetKind kind) {
@@ -89,8 +88,9 @@ GaussianSet moment_of(const Scene& scene, SetKind kind, double time_s) {
   const auto views = owners_during(scene, scene.actors, time_s, time_s, std::nullopt);
   for (std::size_t i = 0; i < views.size(); ++i) {
     if (!views[i].is_there) continue;
-    parts.push_back(of_owner(set, static_cast<std::uint32_t>(i + 1)));
-    if (const auto visibility_set = visibility_set_of(scene, i))
+    const auto number = static_cast<std::uint32_t>(i + 1);
+    parts.push_back(of_owner(set, number));
+    if (const auto visibility_set = visibility_set_of(scene, number))
       parts.back() = nearest_to(scene, *visibility_set, std::move(parts.back()));
     deform(parts.back(), views[i].deformation);
     transform(parts.back(), views[i].scene_from_actor_start);

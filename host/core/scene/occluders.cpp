@@ -15,18 +15,32 @@ bool is_same(const Pose& a, const Pose& b) {
 
 }  // namespace
 
+std::optional<std::size_t> OwnerNumbers::visibility_set_of(std::uint32_t number) const {
+  if (number < visibility_set(0) || number >= disoccluded(0)) return std::nullopt;
+  return number - visibility_set(0);
+}
+
+std::optional<std::size_t> OwnerNumbers::occluder_of(std::uint32_t number) const {
+  if (number < disoccluded(0) || number > largest()) return std::nullopt;
+  return (number - disoccluded(0)) / 2;
+}
+
+OwnerNumbers owner_numbers(const Scene& scene) {
+  OwnerNumbers numbers{scene.actors.size(), scene.visibility_sets.size(), scene.occluders.size()};
+  for (const VisibilitySet& visibility_set : scene.visibility_sets) numbers.occluders += visibility_set.occluders.size();
+  return numbers;
+}
+
 std::uint32_t number_of_visibility_set(const Scene& scene, std::size_t index) {
-  return static_cast<std::uint32_t>(scene.actors.size() + index + 1);
+  return owner_numbers(scene).visibility_set(index);
 }
 std::uint32_t disoccluded_number(const Scene& scene, std::size_t index) {
-  return static_cast<std::uint32_t>(scene.actors.size() + scene.visibility_sets.size() + 2 * index + 1);
+  return owner_numbers(scene).disoccluded(index);
 }
 std::uint32_t inpainted_number(const Scene& scene, std::size_t index) {
-  return disoccluded_number(scene, index) + 1;
+  return owner_numbers(scene).inpainted(index);
 }
-std::size_t most_numbers(const Scene& scene) {
-  return scene.actors.size() + scene.visibility_sets.size() + 2 * occluders_of(scene).size();
-}
+std::size_t most_numbers(const Scene& scene) { return owner_numbers(scene).largest(); }
 
 std::vector<Occluder> occluders_of(const Scene& scene) {
   std::vector<Occluder> out;
@@ -70,9 +84,9 @@ std::vector<ActorView> owners_during(const Scene& scene,
 }
 
 bool has_particles_of_actors(const Scene& scene, const GaussianSet& set) {
-  return std::any_of(set.actor.begin(), set.actor.end(), [&](std::uint32_t number) {
-    return number > 0 && number <= scene.actors.size();
-  });
+  const OwnerNumbers numbers = owner_numbers(scene);
+  return std::any_of(
+      set.actor.begin(), set.actor.end(), [&](std::uint32_t number) { return numbers.is_actor(number); });
 }
 
 void make_room_for_actor(const Scene& scene, GaussianSet& set) {

@@ -51,6 +51,7 @@ void correct(KeyPose& key, const Pose& world_from_actor) {
 
 /// What of a chunk decides which of its particles stay: how many they are by owner, 0 the background.
 struct PartCounts {
+  OwnerNumbers numbers;
   std::vector<Actor> actors;
   std::vector<std::string> occluders;  // their names
   std::vector<Eigen::Index> camera, lidar;
@@ -65,7 +66,7 @@ class ActorParts {
       const auto found =
           std::find_if(actors.begin(), actors.end(), [&](const Actor& a) { return a.name == name; });
       if (found == actors.end()) continue;
-      const auto number = static_cast<std::uint32_t>(found - actors.begin() + 1);
+      const std::uint32_t number = parts[i].numbers.actor(static_cast<std::size_t>(found - actors.begin()));
       const Eigen::Index particles = parts[i].camera[number] + parts[i].lidar[number];
       seen_[i] = {&*found, number};
       if (particles <= most_) continue;
@@ -187,10 +188,10 @@ void add_chunk(TrainReport& all, const TrainReport& own, double share) {
 }
 
 Scene owned(Scene scene, const ChunkSplit& parting, std::size_t index) {
+  const OwnerNumbers numbers = owner_numbers(scene);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index i = 0; i < scene.lidar.size(); ++i) {
-    const std::uint32_t owner = actor_of(scene.lidar, i);
-    const bool is_actors = owner != 0 && owner <= scene.actors.size();
+    const bool is_actors = numbers.is_actor(actor_of(scene.lidar, i));
     const auto is_own = [&] {
       const Eigen::Vector3f mean = scene.lidar.mean().row(i);
       return chunk_at(parting.chunks, parting.path.place_nearest(mean)) == index;
@@ -240,8 +241,9 @@ Scene merged(std::size_t count,
       out.camera = GaussianSet(SetKind::kCamera, own.camera.sh_degree, 0);
       out.lidar = GaussianSet(SetKind::kLidar, own.lidar.sh_degree, 0);
     }
-    const std::size_t owners = most_numbers(own);
     PartCounts& counted = parts.emplace_back();
+    counted.numbers = owner_numbers(own);
+    const std::size_t owners = counted.numbers.largest();
     counted.actors = own.actors;
     for (const Actor& occluder : own.occluders) counted.occluders.push_back(occluder.name);
     counted.camera = counts_of(own.camera, owners);
@@ -285,11 +287,11 @@ Scene merged(std::size_t count,
   std::size_t occluder = 0;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t k = 0; k < parts[i].occluders.size(); ++k, ++occluder) {
-      const auto behind = static_cast<std::uint32_t>(parts[i].actors.size() + 2 * k + 1);
+      const std::uint32_t behind = parts[i].numbers.disoccluded(k), instead = parts[i].numbers.inpainted(k);
       numbers[i][behind] = disoccluded_number(out, occluder);
-      numbers[i][behind + 1] = inpainted_number(out, occluder);
+      numbers[i][instead] = inpainted_number(out, occluder);
       keep(i, behind);
-      keep(i, behind + 1);
+      keep(i, instead);
     }
   }
   FilledSet camera(out.camera, camera_count), lidar(out.lidar, lidar_count);

@@ -104,6 +104,15 @@ TEST(Vistas, HaveOccludersOfTheirOwn) {
   ASSERT_EQ(occluders_of(scene).size(), 3U);
   EXPECT_FALSE(occluders_of(scene)[0].visibility_set.has_value());
   EXPECT_EQ(occluders_of(scene)[2].visibility_set, 2U);
+  const OwnerNumbers numbers = owner_numbers(scene);
+  const std::optional<std::size_t> none;
+  for (std::uint32_t number = 0; number <= 11; ++number) {
+    EXPECT_EQ(numbers.is_actor(number), number == 1) << number;
+    EXPECT_EQ(numbers.visibility_set_of(number),
+              number >= 2 && number <= 4 ? std::optional<std::size_t>(number - 2) : none);
+    EXPECT_EQ(numbers.occluder_of(number),
+              number >= 5 && number <= 10 ? std::optional<std::size_t>((number - 5) / 2) : none);
+  }
   const auto shares = [&](const std::vector<Actor>& actors, const std::optional<Eigen::Vector3d>& eye) {
     std::vector<double> out;
     for (const ActorView& view : owners_during(scene, actors, 1.0, 1.0, eye))

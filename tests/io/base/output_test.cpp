@@ -166,7 +166,7 @@ TEST(Temporaries, GoSoonWhoeverHoldsThem) {
     ::_exit(std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(450) ? 0 : 1);
   }
   int status = 0;
-  waitpid(ends, &status, 0);
+  EXPECT_EQ(waitpid(ends, &status, 0), ends);
   EXPECT_EQ(status, 0);
   EXPECT_EQ(entries_of(scratch.path()), 0U);
 }

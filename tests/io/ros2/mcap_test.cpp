@@ -208,7 +208,22 @@ TEST(Mcap, WhatIsNoRecordingIsRefused) {
       "metadata.yaml",
       "x:\n  relative_file_paths:\n    - a_0.mcap\n    - \"a_1.mcap\"\n  duration:\n    n: 1\n");
   expect_input_error([&] { (void)open_bag(scratch.path()); },
-                     {"relative_file_paths", "2 of which 1 files", "a_0.mcap, \"a_1.mcap\""});
+                     {"relative_file_paths", "2 of which 1 files", "without a_0.mcap, a_1.mcap,"});
+  // A.MCAP is there: the quotes are no part of its name.
+  for (const char* entries :
+       {"    - \"A.MCAP\"\n    - \"a_1.mcap\"\n", "    - 'A.MCAP' \r\n    - a_1.mcap\r\n"}) {
+    (void)scratch.file("metadata.yaml",
+                       std::string("x:\n  relative_file_paths:\n") + entries + "  duration:\n");
+    expect_input_error([&] { (void)open_bag(scratch.path()); },
+                       {"2 of which 1 files are there, without a_1.mcap,"});
+  }
+  for (const char* empty : {"\"\"", "''", "\"", "\" '"}) {
+    (void)scratch.file(
+        "metadata.yaml",
+        std::string("x:\n  relative_file_paths:\n    - ") + empty + "\n    - A.MCAP\n  duration:\n");
+    expect_input_error([&] { (void)open_bag(scratch.path()); },
+                       {"metadata.yaml: relative_file_paths: found an empty name"});
+  }
   (void)scratch.file("metadata.yaml", "x:\n  compression_mode: MESSAGE\n");
   expect_input_error([&] { (void)open_bag(scratch.path()); },
                      {"metadata.yaml", "message", "ros2 bag convert"});

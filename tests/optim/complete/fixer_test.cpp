@@ -1,6 +1,7 @@
 // Programs that mend pictures: the protocol, and trainings that learn from them.
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <functional>
 #include <gtest/gtest.h>
@@ -84,6 +85,12 @@ TEST(RunFixer, ProgramsThatFailAreOneLine) {
   refused("small() { for b in 000000 000001; do cp \"" +
               (fs::path(testing::TempDir()) / "none.png").string() + "\" \"$2/$b.png\"; done; }; small",
           "exit code 1");
+}
+
+TEST(RunFixer, ALostExitCodeIsAnError) {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);  // waitpid() fails with ECHILD
+  expect_error(ErrorKind::kInput, "found no exit code", [] { (void)run_fixer(kCopy, two_views(), 7); });
+  std::signal(SIGCHLD, before);
 }
 
 TEST(RunFixer, WhatAProgramPrintsIsNoData) {

@@ -83,7 +83,7 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
-/// Of a command and those that it is one of.
+/// Returns the names of the options of a command and of its parents, each once: they share -h and --help.
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* const option : app.get_options()) {
@@ -91,7 +91,9 @@ std::vector<std::string> option_names(const CLI::App& app) {
     for (const std::string& name : option->get_snames()) names.push_back("-" + name);
   }
   if (app.get_parent() != nullptr) {
-    for (std::string& name : option_names(*app.get_parent())) names.push_back(std::move(name));
+    for (std::string& name : option_names(*app.get_parent())) {
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+    }
   }
   return names;
 }

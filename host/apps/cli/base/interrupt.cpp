@@ -94,6 +94,8 @@ void fill_standard_streams() {
 void watch_signals() {
   fill_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN);  // a file above the shell's limit is a write that fails, as on a full disk
+  // A parent may hand on an ignored SIGCHLD; waitpid() and pclose() then lose the exit codes of ffmpeg and fixers.
+  std::signal(SIGCHLD, SIG_DFL);
   std::array<int, 2> ends{};
   if (signal_pipe >= 0 || ::pipe2(ends.data(), O_CLOEXEC) != 0) return;  // signals end it as they would
   try {

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <fmt/format.h>
 #include <string_view>
+#include <system_error>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -97,7 +99,14 @@ void Video::add(const Image& image) {
 
 void Video::finish() {
   if (pipe_ == nullptr) return;
-  if (pclose(std::exchange(pipe_, nullptr)) != 0) fail();
+  const int status = pclose(std::exchange(pipe_, nullptr));
+  if (status < 0) {
+    throw Error(ErrorKind::kInput,
+                fmt::format("{}: found no exit code of ffmpeg ({}), allowed exit code 0",
+                            file_.string(),
+                            std::generic_category().message(errno)));
+  }
+  if (status != 0) fail();
   temporary_->become_target();
 }
 

@@ -101,7 +101,8 @@ std::vector<std::uint32_t> Frame::owners() const {
   if (!s.of_actors) return std::vector<std::uint32_t>(s.rays.grid().rays, 0);
   const std::vector<float>& ids = s.of_actors->results().median;
   std::vector<std::uint32_t> actors(ids.begin(), ids.end());
-  for (std::uint32_t& id : actors) id = id > s.actors ? 0 : id;  // what occluders hide is background
+  // Vistas and what occluders hide are background.
+  for (std::uint32_t& id : actors) id = s.owner_numbers.is_actor(id) ? id : 0;
   return actors;
 }
 

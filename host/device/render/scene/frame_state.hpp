@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "host/core/scene/occluders.hpp"
 #include "host/device/render/scene/actor_boxes.hpp"
 #include "host/device/render/scene/frame.hpp"
 #include "host/device/render/scene/renderer.hpp"
@@ -41,7 +42,7 @@ struct Frame::State {
   Shot shot;
   FrameRequest request;
   std::weak_ptr<const Scene> scene;
-  std::size_t actors = 0;  // of it
+  OwnerNumbers owner_numbers;  // of the scene
   SensorRays rays;
   std::shared_ptr<OutputPool> pool;
   RealBuffer outputs;  // [SIM_OUTPUTS][slots], of cameras without the last

@@ -201,7 +201,7 @@ struct SceneOnDevice::State {
     auto frame = std::make_shared<Frame::State>(
         device, drawn.precision, sensor, shot, request, drawn.pass.rays(), pool);
     frame->scene = scene;
-    frame->actors = scene->actors.size();
+    frame->owner_numbers = owner_numbers(*scene);
     frame->graded = drawn.pass.is_graded();
     frame->has_median = drawn.pass.has_median();
     frame->background = drawn.background;

@@ -113,6 +113,23 @@ TEST_F(ChunkSceneTest, BecomeOneWithAVistaEach) {
   EXPECT_EQ(places(one.lidar, 0), places(chunk().lidar, 0));
 }
 
+// The numbers of what occluders hide follow those of the part's own visibility_sets.
+TEST_F(ChunkSceneTest, PartsWithVistasKeepWhatIsHidden) {
+  std::vector<ChunkScene> parts(2);
+  for (ChunkScene& part : parts) {
+    part.scene.actors = part.scene.occluders = log_.actors;
+    part.scene.visibility_sets = {{{Eigen::Vector3d::Zero()}}};
+    part.scene.camera =
+        set_at(SetKind::kCamera, {1.0, 2.0}, {disoccluded_number(part.scene, 0), inpainted_number(part.scene, 0)});
+  }
+  const auto part = [&](std::size_t i) -> const ChunkScene& { return parts[i]; };
+  const Scene one = merged(2, part, log_.actors, parting_);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(places(one.camera, disoccluded_number(one, i)), std::vector<float>{1.0F});
+    EXPECT_EQ(places(one.camera, inpainted_number(one, i)), std::vector<float>{2.0F});
+  }
+}
+
 // A drive is long, and what hides a part of one chunk was recorded near it.
 TEST_F(ChunkSceneTest, OccludersAreKnownNearTheirStretch) {
   Log log;
