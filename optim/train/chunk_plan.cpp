@@ -13,22 +13,22 @@
 namespace simuli {
 namespace {
 
-constexpr double kShortest_m = 20.0;  // of a chunk
-constexpr double kLongest_m = 100.0;  // of one of several: pictures look along it, and take longer
-constexpr double kShort_m = 20.0, kLong_m = 60.0;  // of the pieces that are measured
-constexpr double kMargin = 1.2;                    // other places of the drive may hold more than its middle
-// What the host takes, measured (bench/RESULTS.md): the program and its driver, ...
+constexpr double kShortest_m = 20.0;  // shortest chunk
+constexpr double kLongest_m = 100.0;  // longest of several chunks: pictures look along it, and it takes longer to train
+constexpr double kShort_m = 20.0, kLong_m = 60.0;  // lengths of the two sample pieces
+constexpr double kMargin = 1.2;  // other parts of the drive may need more than its middle
+// Measured host memory (bench/RESULTS.md): the program and its driver, ...
 constexpr double kProgramBytes = 300e6;
-constexpr double kVoxelBytes = 500.0;    // ... of a voxel while particles are placed,
-constexpr double kParticleCopies = 2.0;  // of the particles beside the device's,
-constexpr double kRayBytes = 24.0;       // of a ray of a sweep while moving things are looked for,
-constexpr double kFrameBytes = 2e3;      // of a frame in the log and its copies,
-constexpr double kKeyBytes = 600.0;      // of a key pose of an actor's track there,
-constexpr double kSceneCopies = 1.5;     // and of the finished scene: itself, and its order.
-constexpr double kDeviceScene = 1.5;     // of a scene on the device, over its bytes
+constexpr double kVoxelBytes = 500.0;  // ... per voxel during initialisation,
+constexpr double kParticleCopies = 2.0;  // copies of the particles in addition to the device's,
+constexpr double kRayBytes = 24.0;  // per sweep ray during the search for moving objects,
+constexpr double kFrameBytes = 2e3;  // per frame in the log and its copies,
+constexpr double kKeyBytes = 600.0;  // per key pose of an actor's track in the log,
+constexpr double kSceneCopies = 1.5;  // and copies of the finished scene: itself and its reordered copy.
+constexpr double kDeviceScene = 1.5;  // device memory of a scene as a multiple of its bytes
 
-/// The key of the first option that keeps a drive in one piece, what it is, and what it would have to be;
-/// null: none does.
+/// The first option that requires training in one run, its value and the values that would allow chunks; null
+/// if there is none.
 struct Uncut {
   const char* key = nullptr;
   const char* found = nullptr;
@@ -40,7 +40,7 @@ Uncut uncut_by(const TrainingOptions& o) {
   return {};
 }
 
-/// What a piece of the drive holds.
+/// Amounts of data in a piece of the drive.
 struct Content {
   double voxels = 0.0, camera = 0.0, lidar = 0.0;
 };
@@ -62,7 +62,7 @@ class Planner {
     own_.frames = nothing_held_out(options.frames);
     own_.init = options.init;
     own_.train = options.train;
-    // Not asked of the pieces: it costs more than it would tell, unless no sweep does.
+    // Dropping moving points is too slow for an estimate, unless no sweep would remain.
     own_.init.drop_moving = false;
     own_.init.sweep_depth = options.init.sweep_depth && log.sweeps.empty();
     for (const Actor& actor : log.actors) keys_ += static_cast<double>(actor.track.size());
@@ -81,7 +81,7 @@ class Planner {
     }
   }
 
-  /// Of a chunk of the drive's middle; of the finished scene where that is more.
+  /// Returns the memory of a chunk from the drive's middle, or of the finished scene if that is larger.
   [[nodiscard]] Need need(double length_m) const {
     const Content middle = long_ + (length_m - long_m_) * per_m_, content = kMargin * middle;
     const Log log = piece(length_m);
@@ -90,12 +90,12 @@ class Planner {
     for (const SweepFrame& frame : log.sweeps) {
       rays += static_cast<double>(ray_count(log_.lidar(frame.lidar).model));
     }
-    const bool shares = device_.info().is_cpu;  // the device's memory is the host's
+    const bool shares = device_.info().is_cpu;  // device memory is host memory
     const double always = kProgramBytes + kKeyBytes * keys_ +
                           kFrameBytes * static_cast<double>(log_.images.size() + log_.sweeps.size()) +
                           frames_;
     Content all = long_ + (path_.length_m() - long_m_) * per_m_;
-    // Each chunk has a camera set of its own, which reaches beyond it.
+    // Each chunk has a camera set of its own, which extends beyond it.
     all.camera = std::max(all.camera, path_.length_m() / length_m * middle.camera);
     const double scene = scene_bytes(all) * (kSceneCopies + (shares ? kDeviceScene : 0.0));
     const double chunk = kVoxelBytes * content.voxels + kParticleCopies * scene_bytes(content) +
@@ -125,7 +125,7 @@ class Planner {
   [[nodiscard]] Need device_need(const Log& log, const Content& content, double length_m) const {
     const auto sized = [](SetKind kind, int degree, double count) {
       GaussianSet set(kind, degree, 0);
-      set.params.resize(static_cast<Eigen::Index>(count), 0);  // counted, not stored
+      set.params.resize(static_cast<Eigen::Index>(count), 0);  // the count matters; no parameters are stored
       return set;
     };
     Scene scene;
@@ -137,7 +137,7 @@ class Planner {
     const double share = length_m / std::max(path_.length_m(), length_m);
     own.train.iterations = static_cast<int>(std::ceil(share * options_.train.iterations));
     if (length_m < path_.length_m())
-      own.train.appearance.color_grids = ColorGridsOf::kNone;  // chunked_run.cpp
+      own.train.appearance.color_grids = ColorGridsOf::kNone;  // as chunked_run.cpp does
     const MemoryNeed need = training_memory(device_, log, scene, own);
     return {0.0, static_cast<double>(need.total), static_cast<double>(need.largest_buffer)};
   }
@@ -151,7 +151,7 @@ class Planner {
   std::size_t actors_ = 0;
   int camera_degree_ = 0, lidar_degree_ = 0;
   double keys_ = 0.0;
-  double frames_ = 0.0;  // bytes of those that are kept as they were read
+  double frames_ = 0.0;  // bytes of cached frames
   double short_m_ = 0.0, long_m_ = 0.0;
   Content long_, per_m_;
 };
@@ -204,7 +204,7 @@ ChunkPlan plan_chunks(const Device& device,
   const Planner planner(device, log, options, path);
   const Uncut uncut = uncut_by(options);
   const double most = uncut.key != nullptr ? 1.0 : std::max(1.0, std::floor(path.length_m() / kShortest_m));
-  const double fewest = std::min(most, std::ceil(path.length_m() / kLongest_m));  // of several
+  const double fewest = std::min(most, std::ceil(path.length_m() / kLongest_m));  // of several chunks
   for (double count = 1.0;; count = std::max(count + 1.0, fewest)) {
     const double length_m = path.length_m() / count;
     const Need need = planner.need(length_m);

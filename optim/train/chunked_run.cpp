@@ -1,4 +1,4 @@
-// A drive that is cut: one chunk at a time is trained, then all become one scene.
+// Training of a drive in chunks, one after the other, and merging them into one scene.
 #include <algorithm>
 #include <fmt/format.h>
 #include <optional>
@@ -14,7 +14,7 @@
 namespace simuli {
 namespace {
 
-constexpr double kSight_m = 100.0;  // that LiDARs and pictures tell the distance of, about
+constexpr double kSight_m = 100.0;  // approximate distance up to which LiDARs and pictures determine depth
 
 class ChunkedRun final : public TrainingRun {
  public:
@@ -37,7 +37,7 @@ class ChunkedRun final : public TrainingRun {
   }
   [[nodiscard]] SceneFile take_file() override {
     SceneFile taken = merged_ ? drive_.file_of(std::move(*merged_)) : piece_->file();
-    piece_.reset();  // the device has room for what comes
+    piece_.reset();  // frees device memory for the next chunk
     merged_.emplace();
     return taken;
   }
@@ -51,15 +51,15 @@ class ChunkedRun final : public TrainingRun {
     return {*path_, chunks_, drive_.options.chunks.overlap_m};
   }
   [[nodiscard]] int begun() const { return current_ == 0 ? 0 : ends_[current_ - 1]; }
-  /// Of the current chunk.
+  /// Identity lines of the current chunk.
   [[nodiscard]] std::string identity() const {
     return drive_.identity() + chunk_lines(drive_.options.train.iterations, current_, chunks_.size());
   }
   [[nodiscard]] TrainingOptions options() const;
-  /// The current chunk, without a particle yet.
+  /// Selects the frames of the current chunk, without particles yet.
   void take_chunk();
   void set_status(TrainStatus own);
-  /// `file`: that it is kept in; empty: memory.
+  /// Ends a chunk. `file`: where it is stored; empty: in memory.
   void end_chunk(ChunkScene part, const std::filesystem::path& file);
   void read_done(const std::filesystem::path& file) { end_chunk(read_chunk(file, identity()), file); }
   void merge();
@@ -67,19 +67,19 @@ class ChunkedRun final : public TrainingRun {
   TrainingDrive& drive_;
   std::unique_ptr<DrivenPath> path_;
   std::vector<DriveChunk> chunks_;
-  std::vector<int> ends_;  // iterations of all chunks together behind each
+  std::vector<int> ends_;  // iterations of all chunks up to the end of each
   std::size_t current_ = 0;
-  Log log_;                                // of the current chunk
-  std::optional<SingleRun> piece_;  // the current one
+  Log log_;  // of the current chunk
+  std::optional<SingleRun> piece_;  // run of the current chunk
   ChunkParts done_;
-  MeanRayDrop ray_drop_;  // of those
+  MeanRayDrop ray_drop_;  // of the finished chunks
   std::optional<Scene> merged_;
   TrainReport report_;
   TrainStatus status_;  // of all chunks together
 };
 
-/// What all chunks must know alike comes from one chunk at a time: LiDARs as the first shows them, and
-/// what moves, each found thing going on where the chunk before has lost it.
+/// Parameters common to all chunks are determined chunk by chunk: LiDARs from the first, and moving objects
+/// continued from the chunk before.
 ChunkedRun::ChunkedRun(TrainingDrive& drive,
                                      std::unique_ptr<DrivenPath> path,
                                      std::vector<DriveChunk> chunks)
@@ -97,10 +97,10 @@ ChunkedRun::ChunkedRun(TrainingDrive& drive,
   ends_ = ends_of(o.train.iterations, frames);
 }
 
-/// Of the current chunk: none of its frames is held out, and what sensors are is known from the first.
+/// Returns the options of the current chunk: no frame is held out, and sensors are known from the first chunk.
 TrainingOptions ChunkedRun::options() const {
   TrainingOptions own = drive_.options;
-  own.train.appearance.color_grids = ColorGridsOf::kNone;  // chunks would differ in them
+  own.train.appearance.color_grids = ColorGridsOf::kNone;  // chunks would differ in colour
   const int iterations = ends_[current_] - begun();
   own.frames = nothing_held_out(own.frames);
   own.init.actor_min_travel_m = 0.0;
@@ -108,7 +108,7 @@ TrainingOptions ChunkedRun::options() const {
     own.init.shell_distance_m = shell_distance_m(path_->farthest_m() + kSight_m);
   own.train.max_seconds *= static_cast<double>(iterations) / std::max(ends_.back(), 1);
   own.train.iterations = iterations;
-  // Each chunk moves what all before it have come to, the less the more these are.
+  // Each chunk moves the mean of the ray-drop functions less, the more chunks preceded it.
   own.train.ray_drop.rate /= static_cast<double>(current_ + 1);
   if (current_ > 0) own.train.prune.row_ranges = false;
   return own;
@@ -159,7 +159,7 @@ TrainReport ChunkedRun::run(const Training::Observer& on_step, const Checkpoints
   while (!merged_) {
     if (!piece_) start({});
     std::filesystem::path file;
-    if (!checkpoints.file.empty() && drive_.ranks.is_first()) {  // what may be there is of another training
+    if (!checkpoints.file.empty() && drive_.ranks.is_first()) {  // a file there may be of another training
       file = chunk_file(checkpoints.file, current_);
       remove_stale_temporaries(file);
       std::error_code absent;
@@ -172,7 +172,7 @@ TrainReport ChunkedRun::run(const Training::Observer& on_step, const Checkpoints
         },
         checkpoints);
     SceneFile own = piece_->file();
-    piece_.reset();  // the device has room for what comes
+    piece_.reset();  // frees device memory for the next chunk
     fill(drive_.device, log_, options(), own);
     ChunkScene part{owned(std::move(own.scene), parting(), current_), std::move(own.lidars), report};
     if (!file.empty()) write_chunk(file, identity(), part);

@@ -23,7 +23,7 @@ constexpr const char* kKey = "key";
 constexpr const char* kValue = "value";
 constexpr const char* kEnding = ".start";
 
-/// Removes what was asked for longest ago.
+/// Removes the least recently used file.
 void remove_oldest(const fs::path& folder) {
   std::vector<std::pair<fs::file_time_type, fs::path>> files;
   std::uintmax_t bytes = 0;
@@ -49,7 +49,7 @@ InitializationCache::InitializationCache(bool on) {
 
 Packed InitializationCache::key_of(std::string step, const Log& log) {
   Packed key;
-  std::string build = build_id(), hash = log_hash(log);  // its files' names and sizes, and its cameras
+  std::string build = build_id(), hash = log_hash(log);  // of the log: names and sizes of its files, and its cameras
   Log read = log;
   key(build, step, hash, read);
   const auto add = [&](const std::string& name) {
@@ -60,12 +60,12 @@ Packed InitializationCache::key_of(std::string step, const Log& log) {
         const std::string bytes = read_file(file->first);
         file->second = checksum_of(std::as_bytes(std::span(bytes)));
       }
-    } catch (const Error&) {  // as if it were empty: whoever reads it says so
+    } catch (const Error&) {  // treated as an empty cache; the reader reports the error
     }
     key(file->second);
   };
   for (ImageFrame& frame : read.images) {
-    key(frame.time_start_s, frame.time_end_s);  // the hash has them in whole nanoseconds
+    key(frame.time_start_s, frame.time_end_s);  // the hash contains them in whole nanoseconds
     add(frame.file);
   }
   for (SweepFrame& frame : read.sweeps) {
@@ -103,7 +103,7 @@ std::optional<Packed> InitializationCache::find(const Packed& key, Initializatio
 void InitializationCache::keep(const Packed& key, const Packed& value) const {
   try {
     const fs::path file = file_of(key);
-    if (fs::exists(file)) return;  // another rank's
+    if (fs::exists(file)) return;  // written by another rank
     fs::create_directories(folder_);
     remove_stale_temporaries(file);
     write_state_file(file, [&](StateWriter& out) {

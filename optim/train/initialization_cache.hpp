@@ -1,6 +1,6 @@
 #pragma once
-// What the steps of a training's start come to, kept for the next training of the same log: one with other
-// rates or another length starts at once.
+// Cache of initialisation results. The next training of the same log with other learning rates or another
+// length starts at once.
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -15,18 +15,18 @@
 
 namespace simuli {
 
-/// Files in cache_folder()/starts, up to kMost bytes of all logs: what was asked for longest ago goes. A step's
-/// is found by all that it reads, in full: the build, the log as the step gets it with its files' bytes, and
-/// the step's options. Steps use no device. From any number of processes.
+/// Files in cache_folder()/starts, up to kMost bytes for all logs; the least recently used are removed first.
+/// The key of a result contains all inputs of its step in full: the build, the log with the bytes of its files,
+/// and the step's options. Steps use no device. Safe for any number of processes.
 class InitializationCache {
  public:
   static constexpr std::uintmax_t kMost = std::uintmax_t{2} << 30U;
 
-  /// Keeps nothing when not `on`, without a cache folder, or where the linker has given the build no number.
+  /// Does nothing when not `on`, without a cache folder, or when the linker gave the build no identifier.
   explicit InitializationCache(bool on);
 
-  /// make(options...), or what that came to before, in `value`: which holds of the result what pack() does not.
-  /// A cache that can't be written is no error.
+  /// Returns make(options...), or its cached result. `value` supplies the parts that pack() does not store. A
+  /// cache that cannot be written is no error.
   template <class Value, class Make, class... Options>
   Value get(InitializationReport& report,
             const std::string& step,
@@ -59,8 +59,8 @@ class InitializationCache {
   [[nodiscard]] std::optional<Packed> find(const Packed& key, InitializationReport& report) const;
   void keep(const Packed& key, const Packed& value) const;
 
-  std::filesystem::path folder_;                          // empty: nothing is kept
-  std::map<std::filesystem::path, std::uint64_t> files_;  // checksums of those that were read
+  std::filesystem::path folder_;  // empty: caching is off
+  std::map<std::filesystem::path, std::uint64_t> files_;  // checksums of files already read
 };
 
 }  // namespace simuli

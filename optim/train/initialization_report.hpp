@@ -4,10 +4,10 @@
 
 namespace simuli {
 
-/// What of a start was kept from another one.
+/// Use of the initialisation cache by a training.
 struct InitializationReport {
-  double saved_s = 0.0;              // that its steps took then
-  std::vector<std::string> damaged;  // a line for each file that could not be read, and is made anew
+  double saved_s = 0.0;  // time in s that the cached steps took originally
+  std::vector<std::string> damaged;  // one line for each unreadable file, which is computed again
 };
 
 }  // namespace simuli

@@ -6,19 +6,18 @@
 namespace simuli {
 namespace {
 
-// A sound training gains 4 to 10 dB and has mean distance errors of 0.1 to 1 m; measured with rates of 1e9 m,
-// 1e2 of colours and 50 of sizes: 7 to 13 dB lost; with poses off by 3 m: 3.9 m; with pictures in another
-// order: 0.7 dB gained, against 5.5 dB (street, 150 iterations).
-constexpr int kFewest = 20;   // iterations that tell something
-constexpr int kEnough = 100;  // that should have gained something
+// Thresholds between sound and diverged trainings (docs/DECISIONS.md, "Training safety").
+constexpr int kFewest = 20;  // fewer iterations give no verdict
+constexpr int kEnough = 100;  // so many iterations should have gained something
 constexpr double kLost_dB = 2.0;
-constexpr double kFailed_dB = 6.0;  // four times the squared error
+constexpr double kFailed_dB = 6.0;  // a loss of four times the squared error
 constexpr double kGained_dB = 1.0;
-// Whatever the start was: that of a picture of one colour is 90 dB, as its particles have that colour.
+// Above this PSNR a training is sound whatever its start was: an initialisation with pictures of one colour has
+// 90 dB.
 constexpr double kSound_dB = 40.0;
 constexpr double kFar_m = 2.0;
 constexpr double kLostDecisions = 0.03;
-constexpr double kFailedShare = 0.5;  // of particles that are no numbers
+constexpr double kFailedShare = 0.5;  // share of particles with non-finite parameters
 
 }  // namespace
 

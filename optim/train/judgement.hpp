@@ -1,5 +1,5 @@
 #pragma once
-// Whether a training has come to a scene that can be trusted.
+// Detection of diverged trainings.
 #include <string>
 #include <vector>
 
@@ -8,11 +8,12 @@
 namespace simuli {
 
 struct Judgement {
-  std::vector<std::string> warnings;  // a line each
-  std::string failure;                // why there is no scene in it; empty: there is one
+  std::vector<std::string> warnings;  // one line each
+  std::string failure;  // reason why the scene is unusable; empty: usable
 };
 
-/// By how the training frames were met at the end, against the start. Of a few iterations nothing is said.
+/// Judges a training by its errors on training frames at the end against the start. Short trainings get no
+/// verdict.
 [[nodiscard]] Judgement judge(const TrainReport& report);
 
 }  // namespace simuli

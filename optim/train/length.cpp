@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kStageValues = 5;
-constexpr int kFewestIterations = 100;  // rates don't run down in less
+constexpr int kFewestIterations = 100;  // learning rates do not decay in fewer
 
-/// Of the values that are numbers; NaN of none.
+/// Returns the mean of the finite values; NaN without any.
 double mean_of(const std::vector<double>& values) {
   double sum = 0.0, count = 0.0;
   for (const double value : values) {

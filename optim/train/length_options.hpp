@@ -1,21 +1,21 @@
 #pragma once
-// What a training is told that decides itself how long it goes on, and what it says of that.
+// Options and results of trainings of automatic length.
 #include "host/core/base/allowed.hpp"
 
 namespace simuli {
 
-/// Stages, each of which is a training with its rates run down: the first as long as its frames ask for, each
-/// further one longer by `growth`. What a stage has gained over the one before decides whether another
+/// An automatic training has stages, each with a full decay of the learning rates; each stage is longer than
+/// the previous one by the factor `growth`. The gain of a stage over the previous one decides whether another
 /// follows.
 struct LengthOptions {
   bool automatic = false;
-  double first_epochs = 10.0;  // looks at each training picture in the first stage
-  double growth = 1.5;         // iterations at the end of a stage over those of the one before
-  // What asks for another stage, per doubling of the iterations: dB of training pictures, or the share by which
-  // the LiDAR set's loss falls.
+  double first_epochs = 10.0;  // uses of each training picture in the first stage
+  double growth = 1.5;  // ratio of the iterations at the ends of consecutive stages
+  // Gains per doubling of the iterations that start another stage: dB of training pictures, or the relative
+  // decrease of the LiDAR set's loss.
   double gain_db = 0.5;
   double gain_share = 0.05;
-  int most = 6000;  // iterations, however much is gained
+  int most = 6000;  // maximum number of iterations
 };
 template <class F>
 constexpr void visit_fields(LengthOptions& o, F&& field) {
@@ -31,12 +31,12 @@ constexpr void visit_fields(LengthOptions& o, F&& field) {
   field.internal(o.most);
 }
 
-/// The end of a stage. Gains are those per doubling of the iterations; NaN where a set has no frames, and in
-/// the first stage.
+/// The end of a stage. Gains are per doubling of the iterations; NaN in the first stage and for sets without
+/// frames.
 struct LengthStage {
   int iterations = 0;
-  double square = 0.0;      // of training pictures' colours, a mean over all of them
-  double lidar_loss = 0.0;  // weighted, a mean over all training sweeps
+  double square = 0.0;  // mean squared colour error of training pictures
+  double lidar_loss = 0.0;  // weighted LiDAR loss, mean over training sweeps
   double gain_db = 0.0;
   double gain_share = 0.0;
 };

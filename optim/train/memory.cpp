@@ -25,11 +25,10 @@ namespace {
 
 double giga(std::uint64_t bytes) { return static_cast<double>(bytes) * 1e-9; }
 
-/// Slots that `rays` rays of a frame lie in, at most; tiles at the edges are not full, and those of a sparse
-/// sweep less so.
+/// Upper bound of the slots of `rays` rays: border tiles are not full, and tiles of a sparse sweep even less.
 std::uint64_t slots_of(std::uint64_t rays) { return rays + rays / 2 + SIM_TILE_RAYS; }
 
-/// Adds up what tables of buffers take, by what they are for and by their names.
+/// Sums the sizes of buffer tables by purpose and by buffer name.
 class Tally {
  public:
   explicit Tally(MemoryNeed& need) : need_(need) {}
@@ -52,14 +51,14 @@ class Tally {
   MemoryNeed& need_;
 };
 
-/// What all stages share between frames, whatever these are: sorting and scanning are there for binning, for
-/// anchors and for relocation.
+/// Buffers that all stages share between frames of any size: sorts and scans for binning, anchors and
+/// relocation.
 constexpr std::uint64_t kSorts = 2, kScans = 4;
 
 struct Rays {
   std::uint64_t largest = 0;  // rays of the largest frame
-  std::uint64_t rows = 0;     // of the highest picture
-  std::uint64_t slots = 0;    // of all frames
+  std::uint64_t rows = 0;  // rows of the highest picture
+  std::uint64_t slots = 0;  // slots of all frames
   std::uint64_t frames = 0;
 };
 
@@ -87,7 +86,7 @@ Rays sweep_rays(const Log& log, const FrameSelection& frames) {
   return rays;
 }
 
-/// The particles that a set may come to have; `epoch` as of epoch_of().
+/// Upper bound of the particles of a set after growth; `epoch` as in epoch_of().
 std::uint64_t grown(SetNumber number,
                     Eigen::Index particles,
                     Eigen::Index other,
@@ -141,14 +140,14 @@ void add_set(const Device& device,
   if (options.prune.weight > 0.0 && set.kind == SetKind::kLidar) {
     tally.add(item, {"largest weights", particles * sizeof(std::uint32_t)});
   }
-  // While one of the matrices grows it is there twice.
+  // A growing matrix exists twice while it is copied.
   if (options.densify.epochs > 0.0) tally.add(item, {"params", matrix * sizeof(float)});
 }
 
 void add_frame(
     const Device& device, Tally& tally, const Counts& counts, const TrainOptions& options, bool has_grids) {
   const std::uint64_t most = counts.most(), slots = counts.slots();
-  constexpr std::uint64_t kSmallestTile = 32;  // slots, of a LiDAR's
+  constexpr std::uint64_t kSmallestTile = 32;  // slots of the smallest LiDAR tile
   const FrameSizes sizes{.particles = most,
                          .stride = round_up(most, 16),
                          .actors = counts.actors,
@@ -177,7 +176,7 @@ void add_frame(
 }
 
 void add_ssim(const Device& device, Tally& tally, const Counts& counts) {
-  // A square of as many pixels has margins as wide as most.
+  // A square picture with as many pixels has about the widest margins.
   const auto side = static_cast<std::uint32_t>(
       std::ceil(std::sqrt(static_cast<double>(slots_of(counts.images.largest)) / SIM_TILE_RAYS)));
   tally.add("SSIM", SsimBuffers(device), SsimStage::sizes(side, side, 1));
@@ -197,7 +196,7 @@ void add_environment(const Device& device, Tally& tally, const EnvironmentMap& m
   tally.add("environment", ScanBuffers(device), ScanStage::sizes(device, sort.counters));
 }
 
-/// All moved by one optimiser, the gradients of one at a time.
+/// One optimiser updates all grids; gradients exist for one grid at a time.
 void add_color_grids(const Device& device, Tally& tally, const Counts& counts, const GridPlan& plan) {
   const auto [x, y, z] = GridPlan::kSize;
   const auto vertices = static_cast<std::uint64_t>(x) * static_cast<std::uint64_t>(y * z);
@@ -218,8 +217,8 @@ void add_rays(const Device& device, Tally& tally, const Counts& counts, const Lo
   const RaySizes of_picture{.slots = slots_of(counts.images.largest), .tile_rows = 1024};
   tally.add("rays", layout, of_picture, log.cameras.size());
   tally.add("rays", requested, of_picture, log.cameras.size());
-  // Truth and, of sweeps, rays of their own, as many as the cache holds.
-  const std::uint64_t channels = counts.sweeps.frames > 0 ? 4 : 3;  // sky is told where LiDARs look
+  // Ground truth of as many frames as fit the cache; sweeps also have rays of their own.
+  const std::uint64_t channels = counts.sweeps.frames > 0 ? 4 : 3;  // LiDARs mark sky pixels
   tally.add("frames kept",
             {"picture truth", std::min(cache, counts.images.slots * channels * sizeof(float))});
   if (counts.sweeps.frames == 0) return;
@@ -241,7 +240,7 @@ void add_rays(const Device& device, Tally& tally, const Counts& counts, const Lo
   tally.add("frames kept", requested, sizes, kept);
 }
 
-/// Pictures from beside the path.
+/// Buffers of off-trajectory pictures.
 void add_off_trajectory(Tally& tally, const Counts& counts, std::uint64_t cameras) {
   const std::uint64_t slots = slots_of(counts.images.largest);
   tally.add("off_trajectory", {"sensor of a recorded view", sizeof(shared::SensorConstants<float>)});
@@ -267,10 +266,10 @@ void add_structure(const Device& device, Tally& tally, const Counts& counts, con
   }
 }
 
-/// The sums over the shards of a step.
+/// Sums over the shards of a step.
 void add_shards(
     const Device& device, Tally& tally, const Counts& counts, const Scene& scene, std::size_t shards) {
-  // Of the set whose matrix is the larger one.
+  // The set with the larger parameter matrix.
   const ParticleSizes camera = ParticleSizes::of(counts.camera, scene.camera.sh_degree, 0);
   const ParticleSizes lidar = ParticleSizes::of(counts.lidar, scene.lidar.sh_degree, 0);
   const ParticleSizes& set = camera.rows * camera.stride > lidar.rows * lidar.stride ? camera : lidar;

@@ -1,5 +1,5 @@
 #pragma once
-// What a training takes of the device's memory, told before it starts.
+// Estimates the device memory of a training before it starts.
 #include <cstdint>
 #include <map>
 #include <string>
@@ -17,31 +17,31 @@ struct MemoryItem {
   std::uint64_t bytes = 0;
 };
 
-/// Items, the largest first. An upper estimate: sets at the size that densification may take them to, and as
-/// many tile pairs as particles of the larger set, which is what street scenes stay below.
+/// Memory by purpose, largest first. An upper estimate: sets at the size that densification may reach, and as
+/// many tile pairs as particles of the larger set, an upper bound for street scenes.
 struct MemoryNeed {
   std::vector<MemoryItem> items;
-  std::map<std::string, std::uint64_t> by_buffer;  // bytes by the buffers' names
+  std::map<std::string, std::uint64_t> by_buffer;  // bytes by buffer name
   std::uint64_t total = 0;
   std::uint64_t largest_buffer = 0;
 
-  /// "3.2 GB: camera set 1.1 GB, ...".
+  /// Returns "3.2 GB: camera set 1.1 GB, ...".
   [[nodiscard]] std::string text() const;
 };
-/// The tables of what a training keeps on `device` (host/device/render/device/buffer_table.hpp), added up.
+/// Sums the buffer tables (host/device/render/device/buffer_table.hpp) of a training on `device`.
 [[nodiscard]] MemoryNeed training_memory(const Device& device,
                                          const Log& log,
                                          const Scene& scene,
                                          const TrainingOptions& options);
 
-/// Of the host, for frames as their files decode (host_cache_bytes): a quarter of its memory at most, and an
-/// eighth of what it is limited to.
+/// Returns the host memory in bytes for decoded frames (host_cache_bytes): at most a quarter of the host's
+/// memory and an eighth of its memory limit.
 [[nodiscard]] std::size_t frame_budget(const TrainingOptions& options);
-/// What all frames of a log take there.
+/// Returns the bytes of all decoded frames of a log.
 [[nodiscard]] std::uint64_t frame_bytes(const Log& log, const FrameSelection& frames);
 
-/// Error{kDevice} with the numbers when that is more than train.memory_bytes, or than the device has, or
-/// when one buffer would be larger than the device allows.
+/// Throws Error{kDevice} with the sizes when the estimate exceeds train.memory_bytes or the device's memory, or
+/// when one buffer exceeds the device's allocation limit.
 void need_memory(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options);
 
 }  // namespace simuli

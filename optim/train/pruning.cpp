@@ -44,7 +44,7 @@ void prune(TrainerState& state) {
   }
   for (const auto& [name, found] : offsets) {
     std::vector<double> biases_m = found.offsets();
-    // Sweeps are read again for what has changed alone.
+    // Sweeps are read again only after their biases have changed.
     if (std::all_of(biases_m.begin(), biases_m.end(), [](double b) { return b == 0.0; })) continue;
     const std::vector<LidarRow>& rows = std::get<Lidar>(state.truth.lidar(name)).rows;
     for (std::size_t row = 0; row < rows.size(); ++row) biases_m[row] += rows[row].range_bias;

@@ -1,13 +1,13 @@
 #pragma once
-// Pruning of the LiDAR set by what its sweeps need (METHOD section 11).
+// Prunes the LiDAR set by its contribution to the training sweeps (METHOD section 11).
 #include "optim/train/trainer_state.hpp"
 
 namespace simuli {
 
-/// Whether it is its turn before the iteration that is next.
+/// Whether pruning is due before the next iteration.
 [[nodiscard]] bool is_prune_turn(const TrainerState& state);
-/// Takes out what no training sweep needs of the LiDAR set, and corrects the rows' ranges by what they state
-/// beside what the set shows.
+/// Removes LiDAR particles that contribute to no training sweep, and updates the rows' range biases by the mean
+/// difference between recorded and rendered ranges.
 void prune(TrainerState& state);
 
 }  // namespace simuli

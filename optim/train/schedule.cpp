@@ -21,7 +21,7 @@ FrameOrder::FrameOrder(std::vector<std::size_t> frames, std::uint64_t seed, std:
 void FrameOrder::shuffle(std::uint64_t epoch) {
   epoch_ = epoch;
   shuffled_ = frames_;
-  // Fisher-Yates. The remainder favours no frame by more than frames / 2^64.
+  // Fisher-Yates shuffle. The modulo bias is at most frames / 2^64.
   for (std::size_t i = shuffled_.size(); i > 1; --i) {
     const std::uint64_t draw = counter_hash(seed_, stream_, epoch * frames_.size() + i - 1);
     std::swap(shuffled_[i - 1], shuffled_[draw % i]);

@@ -1,6 +1,5 @@
 #pragma once
-// What decides, iteration by iteration, which frame is used and how far parameters may move. Everything
-// here is a pure function of the seed and the iteration.
+// Schedules of frames and learning rates by iteration. All functions depend only on the seed and the iteration.
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -10,19 +9,19 @@
 
 namespace simuli {
 
-/// A well mixed hash of a seed and two counters (splitmix64 finaliser): the generator is its counter, so
-/// that any draw can be made again without the ones before it.
+/// Hashes a seed and two counters (splitmix64 finaliser). A counter-based generator can repeat any draw without
+/// the draws before it.
 [[nodiscard]] std::uint64_t counter_hash(std::uint64_t seed, std::uint64_t stream, std::uint64_t counter);
 
-/// Frames in epochs: each is a new permutation of all frames.
+/// Order of frames in epochs: each epoch is a new permutation of all frames.
 class FrameOrder {
  public:
-  /// `stream` parts the orders that share one seed.
+  /// `stream` separates orders with the same seed.
   FrameOrder(std::vector<std::size_t> frames, std::uint64_t seed, std::uint64_t stream);
   [[nodiscard]] bool empty() const { return frames_.empty(); }
   [[nodiscard]] std::size_t size() const { return frames_.size(); }
-  [[nodiscard]] const std::vector<std::size_t>& frames() const { return frames_; }  // in no epoch's order
-  /// The frame of an iteration; iterations may be asked for in any order. There must be frames.
+  [[nodiscard]] const std::vector<std::size_t>& frames() const { return frames_; }  // not permuted
+  /// Returns the frame of an iteration; iterations may be queried in any order. There must be frames.
   [[nodiscard]] std::size_t at(std::uint64_t iteration);
 
  private:
@@ -35,21 +34,20 @@ class FrameOrder {
   std::uint64_t epoch_ = 0;
 };
 
-inline constexpr double kCoolDown = 0.2;  // of a training, at its end
+inline constexpr double kCoolDown = 0.2;  // share of the iterations at the end
 
-/// Learning rates of the parameter groups, per step of Adam, at the start. All fall exponentially: to
-/// mean_final_m, and to final_share of what they were. During the cool-down they also fall in proportion, to
-/// last_share of that, and the noise of the last steps with them: street 31.77 -> 31.86 dB, 0052 28.24 -> 28.31
-/// (400 and 300 iterations, the latter at quarter size). The defaults are the camera set's; what others gave is in
-/// docs/DECISIONS.md.
+/// Initial learning rates of the parameter groups per step of Adam. All decay exponentially: means to
+/// mean_final_m, others to final_share of their initial rate. During the cool-down all rates also decay
+/// linearly to last_share, which reduces the noise of the last steps. The defaults are the camera set's
+/// (docs/DECISIONS.md, "Learning rates").
 struct LearningRates {
-  double mean_m = 1e-2;  // of a particle of 2 cm (cl/kernels/adam.cl)
+  double mean_m = 1e-2;  // for a particle of 2 cm (cl/kernels/adam.cl)
   double mean_final_m = 1e-4;
   double log_scale = 3e-2;
   double rotation = 5e-3;  // of quaternions
-  double opacity = 0.1;    // of logits
-  double sh = 3e-2;        // of degree 0
-  double sh_rest = 4e-3;   // of the degrees above
+  double opacity = 0.1;  // of logits
+  double sh = 3e-2;  // of degree 0
+  double sh_rest = 4e-3;  // of higher degrees
   double final_share = 0.3;
   double last_share = 0.05;
 };
@@ -70,17 +68,17 @@ constexpr void visit_fields(LearningRates& o, F&& field) {
   field.internal(o.last_share);
 }
 
-/// The rates of a training of so many iterations: scales move faster in one of fewer than 1500, by the cube root of
-/// the ratio, 3 times at most. A particle's size is what short trainings get wrong. 200 iterations, quarter size: 0013
-/// 23.27 -> 23.54 dB, 0052 27.12 -> 27.51, PandaSet (20 frames) 29.64 -> 30.69, street 29.62 -> 29.84.
+/// Returns the rates for a training of `iterations`: below 1500 iterations scales move faster by the cube root
+/// of the ratio, at most 3 times, because sizes converge last in short trainings (docs/DECISIONS.md, "Learning
+/// rates").
 [[nodiscard]] LearningRates paced(LearningRates rates, int iterations);
 
-/// Adam's epsilon of each parameter row [param_rows(sh_degree)]: `colour_epsilon` of those that state colours, a tenth
-/// of it of means (by their particle's deviation), else none. What is hardly shown stays where it is: what no picture saw
-/// 2 and 3 m beside the street's path 15.6 -> 16.1, 14.7 -> 15.6 dB, for 0.03 dB on it and 0.05 on 0052.
+/// Returns Adam's epsilon of each parameter row [param_rows(sh_degree)]: `colour_epsilon` for colours, a tenth
+/// of it for means (relative to the particle's deviation), else 0. It holds particles that pictures hardly see
+/// in place (docs/DECISIONS.md, "Learning rates").
 [[nodiscard]] std::vector<double> row_epsilons(int sh_degree, double colour_epsilon);
 
-/// The rate of each parameter row [param_rows(sh_degree)] at `progress` in [0, 1] of the training.
+/// Returns the rate of each parameter row [param_rows(sh_degree)] at `progress` in [0, 1] of the training.
 [[nodiscard]] std::vector<double> row_rates(const LearningRates& rates, int sh_degree, double progress);
 
 }  // namespace simuli

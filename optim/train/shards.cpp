@@ -31,7 +31,7 @@ std::vector<ActorPoseGradient> poses_of(const std::vector<double>& numbers) {
   return out;
 }
 
-/// Of each actor how many numbers its shape has, then these at the frame's start and end.
+/// Serialises shape gradients: for each actor their number, then the values at the frame's start and end.
 std::vector<double> numbers_of(const std::vector<DeformationGradient>& actors) {
   std::vector<double> out;
   for (const DeformationGradient& actor : actors) {
@@ -90,7 +90,7 @@ std::vector<ShardPart> Shards::run(TrainedSet& set, bool errors, const Show& sho
     parts.push_back(std::move(shown.part));
     return parts;
   }
-  // Neighbours are of one rank, so that what it sends is few sums of several.
+  // Consecutive shards belong to one rank, so that a rank sends few partial sums.
   const auto begin = [&](std::size_t rank) { return rank * count_ / ranks_.size(); };
   sum_->start(set.particles, errors);
   for (std::size_t shard = begin(ranks_.rank()); shard < begin(ranks_.rank() + 1); ++shard) {
@@ -109,11 +109,11 @@ std::vector<ShardPart> Shards::run(TrainedSet& set, bool errors, const Show& sho
   return parts;
 }
 
-/// The parts of all ranks, in the order of shards; sum_ has its total then.
+/// Gathers the parts of all ranks in the order of shards; sum_ then has the total.
 std::vector<ShardPart> Shards::gather(const std::vector<ShardPart>& own) {
   RankWriter writer(std::move(message_));
   writer.put(std::vector<std::uint64_t>{sum_->nodes(), own.size()});
-  // Sums first: what stands in front of them has whole multiples of their numbers' sizes.
+  // Sums come first, for alignment: their sizes are whole multiples of their values' size.
   for (std::size_t node = 0; node < sum_->nodes(); ++node) {
     const ShardSum::Packed shards = sum_->shards_of(node);
     const std::vector<std::uint32_t> columns = sum_->columns_of(node);

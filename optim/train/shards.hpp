@@ -1,8 +1,8 @@
 #pragma once
-// The frames of one step, and who computes them. Each frame is a shard, computed as a whole by one rank. What
-// all frames share (particles, environment) takes one step by the mean of their gradients, added in the order
-// of shards; what belongs to one of them (colour grids, poses of actors at its time) a step for each, in that
-// order. One shard is its own mean, and nothing is added up.
+// The frames of one step and the ranks that compute them. Each frame is a shard, computed by one rank.
+// Parameters common to all frames (particles, environment) take one step with the mean of the gradients, summed
+// in the order of shards; parameters of single frames (colour grids, actor poses at its time) take one step per
+// shard, in that order. A single shard needs no sum.
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -17,20 +17,20 @@
 
 namespace simuli {
 
-/// What a shard's frame says of all that training moves but the particles, whose gradients Shards adds up.
+/// Results of a shard's frame except the particle gradients, which Shards sums.
 struct ShardPart {
-  std::vector<double> losses = {};  // the first is the one that was minimised
+  std::vector<double> losses = {};  // the first is the minimised loss
   std::vector<ActorPoseGradient> poses = {};
   std::vector<DeformationGradient> shapes = {};
-  // Gradients; empty where one shard is all: they stand where they are.
+  // Gradients; empty with a single shard, whose gradients stay on the device.
   std::vector<float> grid = {}, environment = {};
-  std::vector<TrainedDrop::Function> drop = {};  // what a sweep teaches; one, or none
+  std::vector<TrainedDrop::Function> drop = {};  // ray-drop functions trained by a sweep: one or none
 
   void put(RankWriter& writer) const;
   [[nodiscard]] static ShardPart of(RankReader& reader);
 };
 
-/// A frame that was rendered, whose gradients stand with its set.
+/// A rendered frame whose gradients are stored in its set.
 struct RenderedShard {
   Pass pass;
   ShardPart part;
@@ -38,21 +38,21 @@ struct RenderedShard {
 
 class Shards {
  public:
-  /// `ranks` must outlive it: no more than shards.
+  /// At most as many ranks as shards; `ranks` must outlive this object.
   Shards(const Device& device, std::size_t count, Ranks& ranks);
 
   [[nodiscard]] std::size_t count() const { return count_; }
-  /// Adds up gradients, where there are several shards; else null.
+  /// Sums gradients of several shards; null with one.
   [[nodiscard]] ShardSum* sum() { return sum_ ? &*sum_ : nullptr; }
 
-  /// Renders a shard's frame, leaves its gradients with the set, and adds errors to `error`.
+  /// Renders a shard's frame, stores its gradients in the set, and adds reconstruction errors to `error`.
   using Show = std::function<RenderedShard(std::size_t shard, RealBuffer& error)>;
-  /// This rank's shards by `show`. The parts of all shards, in their order, which every rank has then, as
-  /// grads() and keys(); with `errors` the set has theirs.
+  /// Runs `show` for the shards of this rank. Every rank then has the parts of all shards in order, their
+  /// grads() and keys(); with `errors` the set has their summed errors.
   [[nodiscard]] std::vector<ShardPart> run(TrainedSet& set, bool errors, const Show& show);
 
-  /// Of the last run(): the mean of the gradients, and as a frame's keys what any of the shards shows. They
-  /// stand until the renderer's next frame.
+  /// Results of the last run(): the mean gradients, and the keys of particles visible in any shard. Valid until
+  /// the renderer's next frame.
   [[nodiscard]] const RealBuffer& grads() const { return *grads_; }
   [[nodiscard]] const Buffer<std::uint32_t>& keys() const { return *keys_; }
   [[nodiscard]] std::uint64_t gathered_bytes() const { return gathered_bytes_; }
@@ -65,7 +65,7 @@ class Shards {
   std::optional<ShardSum> sum_;
   const RealBuffer* grads_ = nullptr;
   const Buffer<std::uint32_t>* keys_ = nullptr;
-  Ranks::Bytes message_;  // to other ranks; its memory is used again
+  Ranks::Bytes message_;  // to other ranks; its memory is reused
   std::uint64_t gathered_bytes_ = 0;
 };
 

@@ -6,9 +6,9 @@
 namespace simuli {
 namespace {
 
-// Iterations from one search for candidates, and from one choice of the nearest of them, to the next.
+// Iterations between searches for candidates, and between choices of the nearest candidate.
 constexpr int kSearchEvery = 1000, kChooseEvery = 10;
-constexpr int kFirstDensified = 2;  // time of densify.epochs that is the first: starts settle before
+constexpr int kFirstDensified = 2;  // in multiples of densify.epochs, after the initial errors have fallen
 
 }  // namespace
 
@@ -19,7 +19,7 @@ std::size_t epoch_of(const TrainOptions& options, std::size_t images, std::size_
 }
 
 int Structure::densify_every(const DensifyOptions& options, std::size_t epoch) {
-  constexpr double kMost = 1e9;  // more than any training's
+  constexpr double kMost = 1e9;  // larger than any training's
   const double iterations = std::round(options.epochs * static_cast<double>(epoch));
   return static_cast<int>(std::clamp(iterations, 1.0, kMost));
 }
@@ -54,12 +54,12 @@ void Structure::find_anchors(int iteration, bool lidar_pruned) {
 }
 
 void Structure::add_anchor_gradient(const Pass& pass, int iteration) {
-  // A mean over all particles; those that the frame does not show make no step, and so need no gradient.
+  // The mean is over all particles; particles outside the frame take no step and need no gradient.
   anchor(pass.buffers().projected.keys, options_.anchor.weight / camera_.particles.count, iteration);
 }
 
 void Structure::settle_anchors(const Buffer<std::uint32_t>& keys, int iteration) {
-  // The gradients have been taken: nothing is added to what nobody reads any more.
+  // The gradients have been consumed: weight 0 only updates the choices.
   anchor(keys, 0.0, iteration);
 }
 
@@ -83,12 +83,12 @@ void Structure::jitter(TrainedSet& set,
                    {seed_, static_cast<std::uint32_t>(iteration), number});
 }
 
-/// The particles that a set gets when it is its turn.
+/// Returns the number of particles to add to a set.
 std::uint32_t Structure::growth(SetNumber number) const {
   const DensifyOptions& o = options_.densify;
   const double count = (number == kCameraSet ? camera_ : lidar_).particles.count;
   const double both = static_cast<double>(camera_.particles.count) + lidar_.particles.count;
-  // What is left to the cap is shared as the growth would be.
+  // The remaining capacity is shared in proportion to the sets' growth.
   const double share = (static_cast<double>(o.cap) - both) / std::max(both, 1.0);
   const double room = o.most * (number == kCameraSet ? camera_start_ : lidar_start_) - count;
   return static_cast<std::uint32_t>(std::max(0.0, std::min(count * std::min(o.growth, share), room)));
@@ -111,7 +111,7 @@ void Structure::densify(int iteration) {
       densify_->follow(anchor_->candidates(), anchor_->neighbours());
       densify_->follow(anchor_->nearest(), 1);
     }
-    // Relocated and new particles stand anywhere.
+    // Relocated and new particles are not in spatial order.
     const std::vector<Eigen::Index> order = set.put_in_order();
     if (anchor_) {
       if (number == kCameraSet)

@@ -1,5 +1,5 @@
 #pragma once
-// What holds particles in place and what changes their number: anchors, relocation, growth, noise.
+// Changes of the particle sets during training: relocation, growth, jitter, and the paper's anchoring.
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -14,19 +14,19 @@
 
 namespace simuli {
 
-/// Iterations in which each picture is looked at once; where there is none, each sweep.
+/// Returns the iterations in which each picture is used once; without pictures each sweep.
 [[nodiscard]] std::size_t epoch_of(const TrainOptions& options, std::size_t images, std::size_t sweeps);
 
 class Structure {
  public:
-  // Of anchors, after the paper.
+  // Anchoring after the paper.
   static constexpr std::uint32_t kAnchorNeighbours = 50;  // candidates of each particle
-  static constexpr double kAnchorReach_m = 2.0;           // farther from any LiDAR particle (sky): free
+  static constexpr double kAnchorReach_m = 2.0;  // particles farther from all LiDAR particles (sky) are not anchored
 
-  /// Iterations from one time that particles are added to the next; `epoch` as of epoch_of().
+  /// Returns the iterations between densifications; `epoch` as in epoch_of().
   [[nodiscard]] static int densify_every(const DensifyOptions& options, std::size_t epoch);
 
-  /// All of them must outlive it; `seed` of what is drawn.
+  /// All arguments must outlive this object; `seed` of the random numbers.
   Structure(const Device& device,
             const TrainOptions& options,
             std::size_t epoch,
@@ -34,26 +34,27 @@ class Structure {
             TrainedSet& camera,
             TrainedSet& lidar);
 
-  /// Whether frames are to tell errors in this iteration, for where particles of the set are missing.
+  /// Whether frames of this iteration accumulate reconstruction errors of the set.
   [[nodiscard]] bool collects_errors(SetNumber number, int iteration) const;
-  /// The stage that takes them; there is one when collects_errors().
+  /// The stage that accumulates errors; exists when collects_errors().
   [[nodiscard]] DensifyStage& errors() { return *densify_; }
 
-  /// Before the steps of an iteration, when it is its turn or LiDAR particles have gone.
+  /// Updates the anchors when due or after LiDAR particles were pruned; call it before the steps of an
+  /// iteration.
   void find_anchors(int iteration, bool lidar_pruned);
-  /// To the camera set's gradients of the particles that the pass shows.
+  /// Adds the anchoring gradient of the particles visible in the pass to the camera set's gradients.
   void add_anchor_gradient(const Pass& pass, int iteration);
-  /// Behind those of all shards' passes, with the keys of what any of them shows: what one of them chose for
-  /// a particle holds for all ranks.
+  /// Updates the anchor choices with the keys of all shards after their passes, so that all ranks have the same
+  /// choices.
   void settle_anchors(const Buffer<std::uint32_t>& keys, int iteration);
-  /// Moves the particles of the frame of `keys` at random.
+  /// Adds random offsets to the particles visible in the frame of `keys`.
   void jitter(TrainedSet& set,
               SetNumber number,
               const LearningRates& rates,
               const Buffer<std::uint32_t>& keys,
               int iteration,
               double progress);
-  /// Behind the steps of an iteration, when it is its turn; `iteration`: done.
+  /// Densifies when due; call it after the steps of `iteration`.
   void densify(int iteration);
 
   void report(TrainReport& report) const;
@@ -67,9 +68,9 @@ class Structure {
   int densify_every_;  // iterations
   std::uint64_t seed_;
   TrainedSet &camera_, &lidar_;
-  double camera_start_, lidar_start_;    // particles
-  std::optional<AnchorStage> anchor_;    // when camera particles are anchored
-  std::optional<DensifyStage> densify_;  // when particles are relocated
+  double camera_start_, lidar_start_;  // initial particles
+  std::optional<AnchorStage> anchor_;  // only with anchoring
+  std::optional<DensifyStage> densify_;  // only with densification
   std::uint64_t relocated_ = 0, grown_ = 0;
 };
 

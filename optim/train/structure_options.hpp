@@ -1,13 +1,13 @@
 #pragma once
-// How training changes what particles there are and what holds them in place.
+// Options for changes of the particle sets during training.
 #include <cstddef>
 
 #include "host/core/base/allowed.hpp"
 
 namespace simuli {
 
-/// The paper's L_anchor: camera particles stay near the LiDAR set's surfaces (METHOD section 10). Off: the
-/// paper's 0.01 changes pictures by 0.02 dB either way, on and off the path.
+/// The paper's anchoring loss L_anchor: camera particles stay near surfaces of the LiDAR set (METHOD section
+/// 10). Off by default (docs/DECISIONS.md, "Removed features").
 struct AnchorOptions {
   double weight = 0.0;
 };
@@ -23,18 +23,16 @@ constexpr void visit_fields(AnchorOptions& o, F&& field) {
 
 /// Relocation and growth by reconstruction error (METHOD section 11).
 struct DensifyOptions {
-  static constexpr double kLastShare = 0.8;  // of the iterations: what comes last has time to settle, too
-  /// Looks at each training picture from one time to the next: half of them tell what errs.
+  static constexpr double kLastShare = 0.8;  // of the iterations; later particles would not converge
+  /// Uses of each training picture between densifications; half of them accumulate errors.
   double epochs = 0.5;
-  /// Also the LiDAR set. Its particles start where returns are: 3.95 cm for 3.94 on drive 0013, 3 % fewer.
+  /// Also densify the LiDAR set, whose particles start at returns (docs/DECISIONS.md, "Growth").
   bool lidar = false;
-  /// Of a set's particles, per time. Drive 0052: 0.2, with most = 3, 26.29 dB for 26.17 with 171 k particles
-  /// for 132 k.
+  /// Relative growth of a set per densification (docs/DECISIONS.md, "Growth").
   double growth = 0.1;
   double most = 2.0;
   std::size_t cap = 4'000'000;
-  /// m^-2, of positions' jitter per m of their learning rate. Street: 0 33.37 dB for 33.38, 3 m beside the path
-  /// 19.8 for 20.0.
+  /// Amplitude of position jitter, m^-2 per m of learning rate (docs/DECISIONS.md, "Growth").
   double noise = 500.0;
 };
 template <class F>
@@ -56,14 +54,14 @@ constexpr void visit_fields(DensifyOptions& o, F&& field) {
   field("densify.cap", o.cap, at_least(0), "Most particles of both sets together. Lower it to save memory.");
 }
 
-/// LiDAR particles that no training sweep needs are taken out (METHOD section 11).
+/// Pruning of LiDAR particles that contribute to no training sweep (METHOD section 11).
 struct PruneOptions {
   double weight = 0.12;
-  int first = 100;          // iteration: opacities must settle
-  int times = 2;            // evenly spread
-  double last_share = 0.5;  // of the iterations, the last time: what is left learns to do without the others
-  /// Each time the LiDARs' range biases by row take up what rows state beside what the set shows. Drive 0013:
-  /// 3.94 cm without, 3.79 with; 0052: 2.02 and 1.83 cm.
+  int first = 100;  // first iteration: opacities must have converged
+  int times = 2;  // number of prunings, evenly spaced
+  double last_share = 0.5;  // share of the iterations at the last pruning; the remaining particles adapt afterwards
+  /// With each pruning update the LiDARs' range biases by row from the difference between recorded and rendered
+  /// ranges (docs/DECISIONS.md, "LiDAR set").
   bool row_ranges = true;
 };
 template <class F>

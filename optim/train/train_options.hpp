@@ -1,5 +1,5 @@
 #pragma once
-// What a training is told.
+// Options of a training.
 #include <cstddef>
 #include <string>
 
@@ -12,11 +12,11 @@
 
 namespace simuli {
 
-/// Weights of the LiDAR set's losses, each a mean over its rays (METHOD section 10). Only their ratios
-/// matter: the set has no other loss, and Adam's steps do not depend on the loss's scale. METHOD's 0.01 is
-/// the weight beside a picture's loss; alone, distances need more to hold their own against the drops.
+/// Weights of the LiDAR set's losses, each a mean over rays (METHOD section 10). Only their ratios matter,
+/// because the set has no other loss and Adam's steps do not depend on the loss scale. The paper's 0.01 for
+/// distance applies next to a picture loss; without one, distances need more weight against ray drops.
 struct LidarWeights {
-  double distance = 0.5;  // 2: 3.91 cm for 3.94 on drive 0013, all else the same
+  double distance = 0.5;
   double intensity = 0.1;
   double drop = 0.05;
 };
@@ -32,10 +32,10 @@ constexpr void visit_fields(LidarWeights& o, F&& field) {
   field.internal(o.intensity);
 }
 
-/// How the LiDARs' drop functions are learned (METHOD section 7).
+/// Training of the LiDARs' ray-drop functions (METHOD section 7).
 struct RayDropOptions {
-  double rate = 0.1;  // per step of Adam, of a function's parameters; 0: drops are the logits' alone
-  /// Of so many sweeps one teaches the function alone, and the others particles alone; 0: all teach both.
+  double rate = 0.1;  // of the function's parameters per step of Adam; 0: only the particles' drop logits
+  /// One of so many sweeps trains only the function, the others only the particles; 0: all sweeps train both.
   int apart = 5;
 };
 
@@ -44,7 +44,7 @@ struct ImageWeights {
   double absolute = 0.8;
   double squared = 10.0;
   double dissimilarity = 0.4;
-  double sky = 0.01;  // of opacity where a picture shows sky
+  double sky = 0.01;  // on opacity at sky pixels
 };
 template <class F>
 constexpr void visit_fields(ImageWeights& o, F&& field) {
@@ -58,21 +58,19 @@ constexpr void visit_fields(ImageWeights& o, F&& field) {
   field.internal(o.sky);
 }
 
-/// What learns a colour transform of its own.
+/// Pictures that share a colour transform (bilateral grid).
 enum class ColorGridsOf : int {
-  kAuto = 0,  // kPictures where one camera trains, else each camera, for all its pictures
+  kAuto = 0,  // kPictures with one camera, else one grid per camera for all its pictures
   kPictures = 1,
   kNone = 2,
 };
 
-/// Environment and colour grids of the camera set.
+/// Environment map and bilateral colour grids of the camera set.
 struct AppearanceOptions {
-  /// Quarter size, none and kAuto: drive 0013 after 500 iterations 25.38 and 26.03 dB; when grids were slower, after
-  /// 200 to 400, 0052 27.99 and 28.30, the street 30.41 and 30.44, PandaSet 28.92 and 29.77 (kPictures 29.15: six
-  /// cameras show each too rarely).
+  /// docs/DECISIONS.md, "Colour grids".
   ColorGridsOf color_grids = ColorGridsOf::kAuto;
-  double environment_rate = 1e-2;  // per step of Adam, of texels, at the start
-  double grid_rate = 2e-3;         // of the grids' values, where they take steps enough
+  double environment_rate = 1e-2;  // of texels per step of Adam, initially
+  double grid_rate = 2e-3;  // of grid values, with enough steps per grid
   double least_share = 0.8;
 };
 template <class F>
@@ -92,11 +90,11 @@ constexpr void visit_fields(AppearanceOptions& o, F&& field) {
         "and below a tenth its place. More: better views beside the path, less detail on it; 0: all learn.");
 }
 
-/// The camera set along the LiDARs' rays: pictures alone leave open how far away what they show is.
+/// Depth supervision of the camera set along LiDAR rays: pictures alone leave depth ambiguous.
 struct DepthOptions {
   double weight = 0.1;
-  int every = 2;  // iterations per sweep; each would take twice the time of it: not measured
-  /// Of a sweep, of which one is taken at a time.
+  int every = 2;  // iterations per sweep
+  /// Sectors of a sweep; one is used per step.
   static constexpr std::size_t kSectors = 4;
 };
 template <class F>
@@ -110,10 +108,9 @@ constexpr void visit_fields(DepthOptions& o, F&& field) {
   field.internal(o.every);
 }
 
-/// The camera set from beside the path (METHOD section 10): pictures alone leave open what it looks like from
-/// where none was taken.
+/// Supervision of the camera set in off-trajectory views (METHOD section 10), where no picture was recorded.
 struct OffTrajectoryOptions {
-  /// Iterations per picture. Weight 1 every 4: 27.04 dB for 27.13, 1 m beside the path.
+  /// Iterations per picture (docs/DECISIONS.md, "Off-trajectory views").
   static constexpr int kEvery = 2;
   double weight = 0.5;
   double reach_m = 2.5;
@@ -134,12 +131,10 @@ constexpr void visit_fields(OffTrajectoryOptions& o, F&& field) {
         "will leave the path.");
 }
 
-/// Several frames for one step, and devices that share them (METHOD section 10).
+/// Several frames per step, and devices that share them (METHOD section 10).
 struct ShardOptions {
   int count = 1;
-  /// Rates are those of one shard times the shards' number to this power. Street, 400 frames, 2 and 4 shards:
-  /// 0: 27.89 and 27.41 dB, 0.33 and 0.40 cm; 0.5: 28.08 and 28.02 dB, 0.34 and 0.43 cm; 1: 28.34 and 28.10
-  /// dB, 0.35 and 0.53 cm.
+  /// Rates are multiplied by the number of shards to this power (docs/DECISIONS.md, "Shards and ranks").
   double rate_power = 0.5;
 };
 template <class F>
@@ -157,15 +152,12 @@ struct TrainOptions {
   int iterations = 1500;
   LengthOptions length;
   ShardOptions shards;
-  int lidar_every = 2;  // returns start where they belong, colours do not
+  int lidar_every = 2;  // LiDAR geometry starts at the returns and needs fewer steps than colours
   double max_seconds = 0.0;
   ImageWeights image;
   AppearanceOptions appearance;
   LearningRates camera;
-  /// Drops differ from sweep to sweep: fast rates learn them by heart. Scales half as fast: 2.50 cm for 2.14 and
-  /// 0.728 drops found for 0.742 on drive 0052 after 250 iterations, 1.69 and 1.61 cm after 1000. Means twice as
-  /// fast: PandaSet 1.98 cm for 1.93, MeanRelL2 0.0238 for 0.0208, drops 0.9687 for 0.9692. No
-  /// fall at the end: 2.12 for 2.10 cm on 0052 after 300 iterations.
+  /// High rates overfit ray drops, which differ from sweep to sweep (docs/DECISIONS.md, "Learning rates").
   LearningRates lidar{.mean_m = 2e-3,
                       .mean_final_m = 1e-5,
                       .log_scale = 4e-2,
@@ -183,15 +175,15 @@ struct TrainOptions {
   DensifyOptions densify;
   PruneOptions prune;
   PoseRates actor_poses;
-  bool learn_shapes = true;  // of actors that are not rigid: people, and who rides what has no cabin
-  /// In float; the median distance has no gradient and is never written.
+  bool learn_shapes = true;  // of non-rigid actors: pedestrians and riders
+  /// In float precision; the median distance has no gradient and is not computed.
   RenderOptions render;
   std::size_t memory_bytes = 0;
   std::size_t cache_bytes = std::size_t{2} << 30U;
   std::size_t host_cache_bytes = std::size_t{2} << 30U;
 };
 
-/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
+/// The setting keys with allowed values and help (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(TrainOptions& o, F&& field) {
   field.group("Length");
@@ -247,11 +239,10 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field.part_in_training("", o.render);
 }
 
-/// The options themselves. Error{kUsage} naming the key when one is outside its range.
+/// Returns the options. Throws Error{kUsage} with the key of an option outside its range.
 [[nodiscard]] TrainOptions checked(const TrainOptions& options);
 
-/// The name of the bundle (host/device/render/options/quality.hpp) that these options of a training are, or
-/// "custom".
+/// Returns the quality bundle (host/device/render/options/quality.hpp) that the options equal, or "custom".
 [[nodiscard]] std::string quality_of(const RenderOptions& options);
 
 }  // namespace simuli

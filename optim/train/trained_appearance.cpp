@@ -11,21 +11,18 @@ namespace simuli {
 namespace {
 
 constexpr Precision kFloat = Precision::kFloat;
-constexpr double kLookFinalShare = 0.1;  // of both rates, at the end
-/// Of the training, from its start, the environment is black where the ground is. In the ground's own colour it
-/// would stand in for it, and the ground stay full of holes. PandaSet, 200 iterations, pixels of the left camera
-/// below the horizon with an opacity under 0.5: 16 % without, 0.3 %; 29.70 and 29.63 dB. Black to the end: 29.7 dB,
-/// but what nobody saw is black, too: 25.8 for 26.3 dB 2 m beside the street's path.
+constexpr double kLookFinalShare = 0.1;  // final share of both learning rates
+/// In this first share of a training the environment below the horizon is black. In the ground's own colour it
+/// would replace ground particles and leave holes (docs/DECISIONS.md, "Sky and environment").
 constexpr double kDarkShare = 0.5;
-/// Weights of squared differences of a grid's neighbouring vertices, and to the identity: METHOD's table has the
-/// paper's.
+/// Weights of squared differences between neighbouring vertices of a grid, and to the identity; METHOD's table
+/// has the paper's values.
 constexpr double kGridVariation = 40.0, kGridDrift = 0.001;
-/// Grids that take fewer steps than so many take longer ones, up to so many times: each gets as far. 0013, a quarter,
-/// 200 iterations (5 steps a grid), 1, 3, 8 and 24 times: 23.50, 23.84, 24.08 and 23.78 dB. Where steps suffice, longer
-/// ones take over what the scene should learn (DECISIONS).
+/// Grids with fewer steps than this get proportionally higher rates, up to the factor kFastestGrid
+/// (docs/DECISIONS.md, "Colour grids").
 constexpr double kGridSteps = 60.0, kFastestGrid = 8.0;
 
-/// Down to 5 degrees below the horizon, and no fewer than Adam takes at a time: below them there is ground.
+/// Number of texels down to 5 degrees below the horizon, at least one block of Adam; texels below show ground.
 std::ptrdiff_t sky_texels(const EnvironmentMap& map) {
   constexpr double kShare = (90.0 + 5.0) / 180.0;
   auto texels = static_cast<std::ptrdiff_t>(std::ceil(kShare * map.height)) * map.width;
@@ -46,7 +43,7 @@ ColorGrids starting_grids(const Log& log, const Scene& scene, const GridPlan& pl
   return same ? own : grids;
 }
 
-/// [log.images]: the grid of each training picture.
+/// Returns the grid of each training picture, [log.images].
 std::vector<std::size_t> grid_of_images(const Log& log,
                                         const GridPlan& plan,
                                         const std::vector<std::size_t>& training) {
@@ -136,13 +133,13 @@ void TrainedAppearance::backward(Pass& pass, std::size_t image) {
   }
 }
 
-/// `picture`: how many pictures there were before; `pictures`: how many there will be.
+/// `picture`: number of pictures before; `pictures`: total number.
 void TrainedAppearance::step_grid(std::size_t image, std::uint64_t picture, double pictures, double progress) {
   if (!grids_) return;
   Grids& g = *grids_;
   const double steps = pictures / static_cast<double>(g.frames.frames.size());
   const double rate = options_.grid_rate * std::clamp(kGridSteps / steps, 1.0, kFastestGrid);
-  // As often as all others.
+  // Each grid takes the same number of steps.
   g.adam.run_dense(g.buffers.grid,
                    g.grads,
                    g.of_image[image] * g.buffers.reals(),

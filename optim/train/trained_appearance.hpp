@@ -1,5 +1,5 @@
 #pragma once
-// The appearance of the camera set in training: environment and colour grids with their optimisers.
+// Appearance of the camera set in training: environment map, colour grids and their optimisers.
 #include <array>
 #include <memory>
 #include <optional>
@@ -18,66 +18,66 @@ namespace simuli {
 /// The colour grids of a training (METHOD section 9).
 struct GridPlan {
   static constexpr std::array<int, 3> kSize{16, 16, 8};  // vertices along x, y and luminance
-  std::vector<std::size_t> images;  // indices into log.images: whose grids they are; empty: none
-  bool by_camera = false;           // one for all pictures of a camera
+  std::vector<std::size_t> images;  // indices into log.images, one per grid; empty: no grids
+  bool by_camera = false;  // one grid for all pictures of a camera
 };
-/// `training`: the log's training pictures.
+/// `training`: the training pictures of the log.
 [[nodiscard]] GridPlan plan_grids(const AppearanceOptions& options,
                                   const Log& log,
                                   const std::vector<std::size_t>& training);
 
 class TrainedAppearance {
  public:
-  /// The scene's environment, if it has one, and the grids of plan_grids(): the scene's own where it has just
-  /// these, else the identity.
+  /// Starts with the scene's environment, if any, and the grids of plan_grids(): the scene's grids where they
+  /// match, else identities.
   TrainedAppearance(const Device& device, const Log& log, const Scene& scene, const TrainingOptions& options);
 
   [[nodiscard]] const EnvironmentBuffers* environment() const;
-  /// Adam's epsilon for harmonics of colours: what a loss asks of them where they fill appearance.least_share of
-  /// what each of so many particles has of a picture. Adam takes as long steps by traces of a gradient as by
-  /// all of it.
+  /// Returns Adam's epsilon of SH coefficients: the gradient of a particle that fills the share
+  /// appearance.least_share of an average particle's picture area. Without it Adam takes full steps even for
+  /// tiny gradients.
   [[nodiscard]] double harmonics_epsilon(std::size_t particles) const;
-  /// The pass through the grid of picture `image` (an index into log.images).
+  /// Applies the grid of picture `image` (an index into log.images) to the pass.
   void grade(Pass& pass, std::size_t image);
-  /// Takes dL/d(graded picture) back to dL/d(outputs), and leaves the gradients of grid and environment.
+  /// Backpropagates dL/d(corrected picture) to dL/d(outputs), and stores the gradients of grid and environment.
   void backward(Pass& pass, std::size_t image);
 
-  /// What backward() has left, for a step of several pictures; empty where there is none. Waits.
+  /// Gradients of backward() for a step with several shards; empty where there are none. Waits.
   struct Gradients {
     std::vector<float> grid, environment;
   };
   [[nodiscard]] Gradients gradients() const;
-  /// Of a step on several pictures: moves the environment by their gradients' mean, added in their order by
-  /// `sum`, and each grid by its own, in turn. Of one picture: by what backward() has left; `sum` is null.
-  /// `iteration`: of the step, from 0; `iterations`: how many there will be.
+  /// Takes the step. Several shards: the environment moves by the mean gradient, added in order by `sum`, and
+  /// each grid by its own gradient in turn. One shard: uses the gradients of backward(), `sum` is null.
+  /// `iteration` from 0 of `iterations`.
   struct Shard {
     std::size_t image = 0;
     Gradients gradients;
   };
   void step(const std::vector<Shard>& shards, std::uint64_t iteration, int iterations, ShardSum* sum);
 
-  /// Gradient entries that were not finite. Waits.
+  /// Returns the number of non-finite gradient entries. Waits.
   [[nodiscard]] std::uint32_t rejected() const;
   void store(Scene& scene) const;
-  /// What a checkpoint holds of it.
+  /// Adds the checkpoint state.
   void add_state(StateList& list);
 
  private:
   void step_grid(std::size_t image, std::uint64_t picture, double pictures, double progress);
   void step_environment(std::uint64_t iteration, double progress);
-  /// Of colours [0,1] as they are, of one of so many parts of a picture.
+  /// Epsilon of colours in [0, 1] for one of so many parts of a picture.
   [[nodiscard]] double colour_epsilon(std::size_t parts) const;
   struct Environment {
     EnvironmentBuffers buffers;
     RealBuffer grads;
     AdamStage adam;
-    std::vector<float> ground;  // texels [3] of the last rows, which are not learned; empty: all are
-    bool is_dark = false;       // they are black for now
+    std::vector<float> ground;  // [3] texels of the last rows, which are not trained; empty: all rows are
+    bool is_dark = false;  // currently black
 
     void show_ground(bool is_black);
   };
   struct Grids {
-    ColorGrids frames;                  // sizes and frames; the values stand on the device
+    ColorGrids frames;  // sizes and frames; values are on the device
     std::vector<std::size_t> of_image;  // [log.images]
     ColorGridBuffers buffers;
     RealBuffer grads;  // of one grid

@@ -7,8 +7,8 @@
 
 namespace simuli {
 
-constexpr double kDropFinalShare = 0.1;  // of the rate, at the end
-constexpr int kLooks = 10;  // steps of a function on a sweep that teaches it, which is rendered once
+constexpr double kDropFinalShare = 0.1;  // final share of the learning rate
+constexpr int kLooks = 10;  // steps of a function per sweep that trains it; the sweep is rendered once
 
 TrainedDrop::TrainedDrop(const Log& log, const Scene& scene, const TrainingOptions& options)
     : options_(options.train.ray_drop) {
@@ -26,7 +26,7 @@ TrainedDrop::TrainedDrop(const Log& log, const Scene& scene, const TrainingOptio
   teaches_particles_ = teaches_function_;
   const std::vector<std::size_t> sweeps = HeldOutRule(log, options.frames).training(log.sweeps);
   const auto every = static_cast<std::size_t>(options_.apart);
-  if (every == 0 || sweeps.size() < 2 * every) return;  // too few to spare some
+  if (every == 0 || sweeps.size() < 2 * every) return;  // too few sweeps to reserve some
   for (std::size_t place = 0; place < sweeps.size(); ++place) {
     const bool function = place % every == every / 2;
     teaches_function_[sweeps[place]] = function;

@@ -7,7 +7,7 @@
 namespace simuli {
 namespace {
 
-/// Of each row of `stride` the columns at `kept`, in rows of new_stride; zeros behind them.
+/// Copies the columns `kept` of each row of length `stride` to rows of length new_stride, padded with zeros.
 void keep_columns(RealBuffer& rows,
                   std::size_t stride,
                   std::size_t new_stride,
@@ -41,7 +41,7 @@ TrainedSet::TrainedSet(const Device& device,
 void TrainedSet::fit_gradients() {
   if (grads.count() == particles.params.count()) return;
   grads.reserve(particles.params.count());
-  grads.fill(0.0);  // padding behind the last particle gets no gradient from any kernel
+  grads.fill(0.0);  // kernels write no gradient to the padding after the last particle
 }
 
 void TrainedSet::keep(const std::vector<Eigen::Index>& kept) { keep(particles.download(), kept); }
@@ -65,7 +65,7 @@ std::vector<Eigen::Index> TrainedSet::put_in_order() {
 }
 
 void TrainedSet::freeze_colours(const std::vector<Eigen::Index>& of) {
-  constexpr float kHeld = 1e30F;  // a second moment beside which a gradient is nothing, for 60 000 steps
+  constexpr float kHeld = 1e30F;  // a second moment so large that gradients have no effect for 60 000 steps
   RealBuffer& moments = adam.second_moment();
   std::vector<float> rows = moments.download_float();
   for (std::size_t first = kShRow * particles.stride; first < rows.size(); first += particles.stride) {

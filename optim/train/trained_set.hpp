@@ -9,21 +9,21 @@
 
 namespace simuli {
 
-/// Numbers of the sets, for random numbers and names of states.
+/// Indices of the sets, for random streams and state names.
 enum SetNumber : std::uint32_t { kCameraSet = 0, kLidarSet = 1 };
 
-/// A particle set in training: parameters, their gradients, and the optimiser's state.
+/// A particle set in training: parameters, gradients and optimiser state.
 struct TrainedSet {
   TrainedSet(const Device& device, const GaussianSet& set, const PoseRates& pose_rates, bool learns_shapes);
-  /// Makes the gradients fit the particles after those have grown.
+  /// Resizes the gradients to the grown number of particles.
   void fit_gradients();
-  /// Leaves the particles at `kept`, in that order, each with its optimiser's state. Waits.
+  /// Keeps the particles `kept` in that order, with their optimiser state. Waits.
   void keep(const std::vector<Eigen::Index>& kept);
-  /// Puts them in coherent_order(), which it returns. Waits.
+  /// Sorts the particles by coherent_order() and returns it. Waits.
   std::vector<Eigen::Index> put_in_order();
-  /// Adam leaves the colours of these particles as they are from now on. Waits.
+  /// Freezes the colours of these particles: Adam no longer changes them. Waits.
   void freeze_colours(const std::vector<Eigen::Index>& of);
-  /// What a checkpoint holds of it, but for the actors' poses and shapes.
+  /// Adds the checkpoint state, without poses and shapes of actors.
   void add_state(StateList& list, const std::string& name);
   ParticleBuffers particles;
   RealBuffer grads;  // [param_rows][stride]
@@ -33,7 +33,7 @@ struct TrainedSet {
   ActorShapes shapes;
 
  private:
-  /// keep() of the particles, which are `set`.
+  /// Implements keep() for the particles of `set`.
   void keep(const GaussianSet& set, const std::vector<Eigen::Index>& kept);
 };
 

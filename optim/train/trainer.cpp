@@ -12,7 +12,7 @@
 namespace simuli {
 namespace {
 
-/// m, largest difference of a row's range bias to the log's.
+/// Returns the largest difference in m between a row's range bias and the log's.
 double largest_correction_m(const Log& log, const TruthCache& truth) {
   double largest_m = 0.0;
   for (const LogLidar& lidar : log.lidars) {
@@ -26,7 +26,7 @@ double largest_correction_m(const Log& log, const TruthCache& truth) {
   return largest_m;
 }
 
-/// The particles all of whose parameters are finite, in their order.
+/// Returns the particles whose parameters are all finite, in order.
 GaussianSet finite_ones(const GaussianSet& set) {
   if (set.params.allFinite()) return set;
   std::vector<Eigen::Index> kept;
@@ -77,7 +77,7 @@ void Trainer::repair(const std::function<void(const TrainStatus&)>& on_step) {
   }
 }
 
-/// Of sweeps those of the LiDAR set, as depth's are the same ones.
+/// Requests sweeps of the sweep loss only: with one LiDAR the depth loss uses the same ones.
 void Trainer::read_ahead() {
   const auto next = [this](FrameOrder& order, int turn) {
     constexpr std::uint64_t kFrames = 4;
@@ -107,7 +107,7 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
   TrainReport report;
   report.first_iteration = status.iteration;
   report.begin = status;
-  constexpr int kStart = 5;  // iterations: what runs away does so soon
+  constexpr int kStart = 5;  // iterations that define the initial scores; a diverging training fails early
   while (status.iteration < state_.options.iterations) {
     if (max_seconds > 0.0 && ranks_.any(watch.seconds() >= max_seconds)) {
       report.stopped_early = true;
@@ -116,7 +116,7 @@ TrainReport Trainer::run(const std::function<void(const TrainStatus&)>& on_step)
     repair(on_step);
     step();
     if (status.iteration - report.first_iteration <= kStart) {
-      // fmin and fmax leave what is not known out.
+      // fmin and fmax ignore NaN.
       report.begin.psnr_db = std::fmax(report.begin.psnr_db, status.psnr_db);
       report.begin.distance_m = std::fmin(report.begin.distance_m, status.distance_m);
       report.begin.drop_accuracy = std::fmax(report.begin.drop_accuracy, status.drop_accuracy);
@@ -152,7 +152,7 @@ Scene Trainer::scene() const {
   out.lidar = finite_ones(state_.lidar.particles.download());
   state_.appearance.store(out);
   state_.drop.store(out);
-  return in_coherent_order(std::move(out));  // they have moved
+  return in_coherent_order(std::move(out));  // training has moved the particles
 }
 
 void Trainer::save(const std::filesystem::path& file, const std::string& settings) {
@@ -169,7 +169,7 @@ void Trainer::need_one_state(const std::string& settings) {
 
 void Trainer::resume(const std::filesystem::path& file, const std::string& settings) {
   state_.list(settings).read(file);
-  state_.status.planned = state_.options.iterations;  // may be more than when it was saved
+  state_.status.planned = state_.options.iterations;  // may exceed the planned iterations of the checkpoint
   for (TrainedSet* set : {&state_.camera, &state_.lidar}) {
     set->fit_gradients();
     set->particles.refresh_actors();

@@ -21,7 +21,7 @@ namespace simuli {
 namespace {
 
 constexpr const char* kSettings = "settings";
-constexpr const char* kIterations = "iterations";  // planned
+constexpr const char* kIterations = "iterations";  // planned iterations
 constexpr const char* kLength = "length";
 
 constexpr double kLeastSkyFrom_m = 100.0, kSkyFrom = 0.9;
@@ -38,7 +38,7 @@ RenderOptions training_options(RenderOptions options) {
   return options;
 }
 
-/// The particles' rates in steps of several frames.
+/// Returns the options with particle rates for steps of several frames.
 TrainOptions with_rates_of_shards(TrainOptions o) {
   const double factor = std::pow(o.shards.count, o.shards.rate_power);
   for (LearningRates* const rates : {&o.camera, &o.lidar}) {
@@ -100,7 +100,7 @@ void add_length(StateList& list, TrainLength& length) {
       });
 }
 
-/// What has been found of the rows' ranges.
+/// Adds the learned range biases by row.
 void add_range_biases(StateList& list, const Log& log, TruthCache& truth) {
   for (const LogLidar& lidar : log.lidars) {
     const auto* const rows = std::get_if<Lidar>(&lidar.model);
@@ -118,7 +118,7 @@ void add_range_biases(StateList& list, const Log& log, TruthCache& truth) {
   }
 }
 
-/// With what has been learned of their tracks and shapes.
+/// Adds the learned tracks and shapes of actors.
 void add_actors(StateList& list, std::vector<Actor>& actors) {
   list.add(
       "actors",
@@ -172,8 +172,8 @@ TrainerState::TrainerState(const Device& on, const Log& of_log, Scene start, con
     throw_input_error(of_log.folder.string(), "training frames", "0", "at least one image or sweep");
   }
   scene.camera_filter_px2 = renderer.options().camera_filter_px2;
-  // What no picture shows has the colour of what is alike nearby. Where it shows between the edges of what hides it
-  // pictures would teach it the colours of those, and of nothing else what it looks like from beside.
+  // Walls that no picture shows keep the colours of similar parts nearby. Where they are visible between
+  // occluder edges, pictures would train them with the occluders' colours.
   camera.freeze_colours(unseen_walls(scene.camera));
   if (options.learn_shapes) prepare_shapes(scene.actors);
   if (options.length.automatic) options.iterations = length.first();

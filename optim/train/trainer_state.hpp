@@ -1,5 +1,5 @@
 #pragma once
-// All that a step of a training reads and moves.
+// All state that training steps read and change.
 #include <cstdint>
 #include <string>
 
@@ -20,7 +20,7 @@
 
 namespace simuli {
 
-/// Mean that forgets: about the last 20 values count.
+/// Exponential running mean over about the last 20 values.
 struct RunningMean {
   double sum = 0.0;
   double weight = 0.0;
@@ -30,26 +30,27 @@ struct RunningMean {
 };
 
 struct TrainerState {
-  /// As Trainer.
+  /// Arguments as Trainer's.
   TrainerState(const Device& device, const Log& log, Scene scene, const TrainingOptions& options);
   TrainerState(const TrainerState&) = delete;
   TrainerState& operator=(const TrainerState&) = delete;
 
-  /// What a checkpoint holds. `settings`: as Trainer::save() has them.
+  /// Returns the checkpoint contents. `settings` as in Trainer::save().
   [[nodiscard]] StateList list(const std::string& settings);
-  /// Error{kInput} when list() of `file` is not one that options can go on from.
+  /// Throws Error{kInput} when the options cannot continue from the state list in `file`.
   static void need_settings(const std::filesystem::path& file,
                             const std::string& settings,
                             const TrainOptions& options);
 
-  /// Of a set in the stage of training that is on.
+  /// Returns the learning rates of a set in the current stage.
   [[nodiscard]] LearningRates rates(SetNumber number) const;
 
   const Log& log;
   Scene scene;
   double actor_margin_m = 0.0;
-  double sky_from_m;  // most of the way to the camera set's farthest particle as training begins: what is sky
-  /// Rates those of steps of options.shards frames, lidar_every of any sweep, iterations as far as is known.
+  double sky_from_m;  // from this distance on particles count as sky
+  /// The rates apply to steps of options.shards frames; lidar_every counts sweeps of any LiDAR; iterations as
+  /// planned so far.
   TrainOptions options;
   std::uint64_t seed;
   Device device;

@@ -28,7 +28,7 @@ static void pack(Packed& p, RefinedLog& v) { p(v.log, v.report); }
 
 struct Training::State {
   TrainingDrive drive;
-  std::unique_ptr<TrainingRun> training_run;  // from prepare() on
+  std::unique_ptr<TrainingRun> training_run;  // set by prepare()
 
   void choose_run(const Progress& progress);
   [[nodiscard]] TrainingRun& started() const {
@@ -45,7 +45,7 @@ Training::Training(const Device& device, Log log, const TrainingOptions& options
   TrainingDrive& drive = state_->drive;
   need_shards(ranks, drive.options);
   need_uncut(drive.options);
-  // Ranks may be of one machine.
+  // Ranks may share one machine.
   if (!drive.log.files)
     drive.log.files = std::make_shared<FrameFiles>(frame_budget(drive.options) / ranks.size());
 }
@@ -61,7 +61,7 @@ Training::~Training() = default;
 const TrainingReport& Training::report() const { return state_->drive.report; }
 const TrainingOptions& Training::options() const { return state_->drive.options; }
 
-/// What ranks must have alike to come to the same bits.
+/// Returns the properties that must be equal on all ranks for equal bits.
 std::vector<RankField> Training::State::rank_fields() const {
   const DeviceInfo& device = drive.device.info();
   std::vector<RankField> fields = {{"device", device.label()},
@@ -77,7 +77,7 @@ std::vector<RankField> Training::State::rank_fields() const {
   return fields;
 }
 
-/// Refines the drive's path, and sees whether the drive is to be cut.
+/// Refines the ego poses of the drive, and decides whether to cut it into chunks.
 void Training::State::choose_run(const Progress& progress) {
   if (training_run) return;
   need_same(drive.ranks, rank_fields());

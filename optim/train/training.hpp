@@ -1,6 +1,6 @@
 #pragma once
-// A scene from a log: the whole recipe of `simuli train`. Whoever trains with the same options gets the same
-// scene, bit for bit, on the same device and build.
+// Trains a scene from a log: the complete recipe of `simuli train`. The same options give the same bits on the
+// same device and build.
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -21,19 +21,19 @@
 
 namespace simuli {
 
-/// How a training went: its start, and what followed.
+/// Report of a training: initialisation and optimisation.
 struct TrainingReport {
   InitializationReport start;
   ChunkPlan chunks;
   PathReport path;
-  FindReport found;                   // zeros: not searched
-  std::vector<std::string> labels;    // a line for each that was mended (sanitized_labels.hpp): warnings, too
-  std::vector<std::string> left_out;  // names of labels that were
+  FindReport found;  // zeros: not searched
+  std::vector<std::string> labels;  // one line per sanitised label (sanitized_labels.hpp); repeated as warnings
+  std::vector<std::string> left_out;  // names of labels that were left out
   InitReport init;
   TrainReport train;
 };
 
-/// Where a training is stored meanwhile.
+/// Where and how often a training is saved.
 struct Checkpoints {
   std::filesystem::path file;
   int every = 0;  // iterations; 0: never
@@ -44,52 +44,53 @@ struct Checkpoints {
 ///   write_scene("drive.scene", training.result());
 class Training {
  public:
-  /// How far a stage is: from 0 on, never back, of a total that stays.
+  /// Reports the progress of a stage: `done` of `total`, never decreasing.
   using Progress = std::function<void(const std::string& stage, std::size_t done, std::size_t total)>;
   using Observer = std::function<void(const TrainStatus&)>;
 
-  /// `log` as it was read. Error{kUsage} for options outside their range, or more ranks than shards.
-  /// `ranks` share the training's shards and must outlive it; every one has a training of the same device,
-  /// log and options, and calls it alike. All come to the same scene.
+  /// `log` as it was read. Throws Error{kUsage} for options outside their range, or more ranks than shards.
+  /// `ranks` share the shards and must outlive this object; each rank has a training with the same device, log
+  /// and options and makes the same calls. All produce the same scene.
   Training(const Device& device, Log log, const TrainingOptions& options = {}, Ranks& ranks = one_rank());
-  /// Error{kUsage} when they are more than the options have shards.
+  /// Throws Error{kUsage} when there are more ranks than shards.
   static void need_shards(const Ranks& ranks, const TrainingOptions& options);
   ~Training();
   Training(const Training&) = delete;
   Training& operator=(const Training&) = delete;
 
-  /// Mends labels (sanitized_labels.hpp), refines the path (refined_path.hpp), learns what sweeps say of their
-  /// LiDARs, finds what moves and has no label (find_actors.hpp, complete_actors.hpp), and places the first
-  /// particles, unless that is done.
-  /// Error{kInput} when no frame is left to train on or a file can't be read, Error{kDevice} when the device
-  /// has no room for the training, RanksDiffer when a rank has another device, other settings or another log.
+  /// Sanitises labels (sanitized_labels.hpp), refines ego poses (refined_path.hpp), learns LiDAR parameters
+  /// from sweeps, finds unlabelled moving objects (find_actors.hpp, complete_actors.hpp), and initialises the
+  /// particles, unless already done. Throws Error{kInput} when no training frame is left or a file cannot be
+  /// read, Error{kDevice} when the device lacks memory, RanksDiffer when a rank has another device, other
+  /// settings or another log.
   void prepare(const Progress& progress = {});
-  /// prepare(), and then goes on where a training of the same log and settings was saved. The number of
-  /// iterations may be larger than it was: the rates of those that are left are the longer training's, so
-  /// the result is well defined, but not that of a training which was longer from its first iteration on.
-  /// Error{kInput}, before anything is prepared, when the file is no checkpoint or of another training.
+  /// Calls prepare() and continues a saved training of the same log and settings. The number of iterations may
+  /// be larger than before: the remaining iterations follow the longer schedule, so the result is well defined
+  /// but differs from a training that had this length from the start. Throws Error{kInput}, before any
+  /// preparation, when the file is no checkpoint or belongs to another training.
   void resume(const std::filesystem::path& checkpoint, const Progress& progress = {});
-  /// Stores all that decides how the training goes on, by rank 0 for all. Atomic. RanksDiffer, and nothing is
-  /// stored, when the ranks have come to different bits.
+  /// Saves the training state, by rank 0 for all. Atomic. Throws RanksDiffer, and saves nothing, when the ranks
+  /// have different bits.
   void save(const std::filesystem::path& checkpoint);
-  /// prepare(), and then all iterations that are left, or as many as the training frames ask for
-  /// (train.length.automatic). `on_step` is called after each; checkpoints are saved
-  /// behind it, and at the end. Error{kNumeric} when it has diverged, so that there is no scene in it; what
-  /// else speaks against it stands in TrainReport::warnings (judgement.hpp).
+  /// Calls prepare() and runs the remaining iterations, or as many as an automatic length needs
+  /// (train.length.automatic). Calls `on_step` after each iteration, then saves due checkpoints, also at the
+  /// end. Throws Error{kNumeric} when training has diverged; other doubts are in TrainReport::warnings
+  /// (judgement.hpp).
   const TrainingReport& run(const Observer& on_step = {}, const Checkpoints& checkpoints = {});
 
-  // What there is from prepare() on.
-  /// Of all chunks together, where the drive is cut into some; particles are those of the current one.
+  // Valid after prepare(). Status of all chunks together where the drive is cut; particle counts are those of
+  // the current chunk.
   [[nodiscard]] const TrainStatus& status() const;
   [[nodiscard]] const TrainingReport& report() const;
   [[nodiscard]] const TrainingOptions& options() const;
-  /// The particles as trained so far; of a drive that is cut into chunks those of the current one, and of
-  /// all in the end. Error{kInternal} before prepare().
+  /// Returns the current particles; of a cut drive those of the current chunk, and of all chunks at the end.
+  /// Throws Error{kInternal} before prepare().
   [[nodiscard]] Scene scene() const;
-  /// The same with sensors and trajectory, mounted as was learned, how it was made, and what tells how well
-  /// it knows what it shows (record_support.hpp), for which it renders the training frames.
+  /// Returns the scene with sensors, trajectory, learned mountings, the training record and the support map
+  /// (record_support.hpp), for which it renders the training frames.
   [[nodiscard]] SceneFile result() const&;
-  /// The same without a second scene in memory, on host and device: what there was to train is gone then.
+  /// Returns the same without a second copy of the scene in host or device memory; the training cannot
+  /// continue.
   [[nodiscard]] SceneFile result() &&;
 
  private:

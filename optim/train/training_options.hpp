@@ -1,5 +1,5 @@
 #pragma once
-// What a training is told, from the log to the scene. TrainingOptions{} are what `simuli train` takes.
+// Options of a training from log to scene. TrainingOptions{} are the defaults of `simuli train`.
 #include <string>
 #include <vector>
 
@@ -14,7 +14,7 @@ namespace simuli {
 
 struct TrainingOptions {
   FrameSelection frames = {};
-  bool refine_path = true;    // see with_refined_path()
+  bool refine_path = true;  // see with_refined_path()
   bool learn_sensors = true;  // see with_learned_sensors()
   bool find_actors = true;
   bool inpaint_behind_actors = true;
@@ -23,11 +23,11 @@ struct TrainingOptions {
   TrainOptions train = {};
   FixerOptions fixer = {};
   ChunkOptions chunks = {};
-  bool cache_initialization = true;          // for the next training, and from the one before (initialization_cache.hpp)
-  std::string fixer_command = {};  // that mends pictures from beside the path (docs/FIXERS.md); empty: none
+  bool cache_initialization = true;  // read and write the initialisation cache (initialization_cache.hpp)
+  std::string fixer_command = {};  // program that repairs off-trajectory pictures (docs/FIXERS.md); empty: none
 };
 
-/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
+/// The setting keys with allowed values and help (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(TrainingOptions& o, F&& field) {
   field.part("", o.train);
@@ -58,16 +58,15 @@ constexpr void visit_fields(TrainingOptions& o, F&& field) {
   field.internal(o.fixer_command);
 }
 
-/// The options themselves. Error{kUsage} naming the field when one is outside its range.
+/// Returns the options. Throws Error{kUsage} with the key of an option outside its range.
 [[nodiscard]] TrainingOptions checked(const TrainingOptions& options);
 
-/// Iterations for each sweep that is trained on: each of the LiDARs that training has sweeps of is due every
-/// `lidar_every` iterations, and one sweep in an iteration at most. PandaSet, 20 frames, 200 iterations: beside its
-/// PandarGT the Pandar64 has 1.81 cm and 0.813 of its drops found, 2.22 cm and 0.770 where they share turns.
+/// Returns the iterations per training sweep: each LiDAR with training sweeps is due every `lidar_every`
+/// iterations, with at most one sweep per iteration (docs/DECISIONS.md, "LiDAR set").
 [[nodiscard]] int iterations_a_sweep(const TrainingOptions& options, const Log& log);
 
-/// The options of `simuli train --quality QUALITY --set SETTING...`: quality "" is balanced; settings are
-/// "key=value" each. Error{kUsage} naming key, found and allowed.
+/// Returns the options of `simuli train --quality QUALITY --set SETTING...`: an empty quality is balanced; each
+/// setting is "key=value". Throws Error{kUsage} with key, found and allowed value.
 [[nodiscard]] TrainingOptions training_options(const std::string& quality,
                                                const std::vector<std::string>& settings);
 

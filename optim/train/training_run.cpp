@@ -34,7 +34,7 @@ void fill(const Device& device, const Log& log, const TrainingOptions& options, 
 }
 
 std::string TrainingDrive::identity() const {
-  TrainingOptions same = options;  // these two decide where a training ends
+  TrainingOptions same = options;  // both decide only where a training ends
   same.train.iterations = 0;
   same.train.max_seconds = 0.0;
   const std::string fixer = options.fixer_command.empty() ? "" : "fixer=" + options.fixer_command + "\n";

@@ -1,5 +1,5 @@
 #pragma once
-// How the log of a training becomes a scene: the drive in one piece, or one chunk of it after the other.
+// Training runs: the whole drive in one run, or chunk by chunk.
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -17,27 +17,26 @@
 
 namespace simuli {
 
-/// What a training is of, whichever training_run it takes.
+/// Inputs common to all kinds of training runs.
 struct TrainingDrive {
   Ranks& ranks;
   Device device;
-  Log log;  // from prepare() on on its refined path, with what was learned of its LiDARs, and with found
-            // actors
-  std::string log_hash;  // as read
+  Log log;  // after prepare() with refined ego poses, learned LiDAR parameters and found actors
+  std::string log_hash;  // of the log as read
   TrainingOptions options;
   TrainingReport report = {};
   InitializationCache cache = InitializationCache(options.cache_initialization);
 
-  /// All that must be the same for it to be the same training, a line each.
+  /// Returns the properties that identify a training, one line each.
   [[nodiscard]] std::string identity() const;
-  /// The log or a chunk of it with what its training sweeps say of its LiDARs.
+  /// Returns the log or a chunk of it with LiDAR parameters learned from its training sweeps.
   [[nodiscard]] Log with_learned_sensors(const Log& seen, const FrameSelection& frames);
-  /// What moves in `seen`, all of the log or a chunk, becomes the log's.
+  /// Adds the moving objects found in `seen` (the log or a chunk) to the log's actors.
   void find_moving(const Log& seen, const FrameSelection& frames);
   [[nodiscard]] SceneFile file_of(Scene scene) const;
 };
 
-/// What Training asks for from the first particles on: its functions of these names.
+/// The part of a training after preparation; functions as in Training.
 class TrainingRun {
  public:
   virtual ~TrainingRun() = default;
@@ -45,9 +44,9 @@ class TrainingRun {
   TrainingRun(const TrainingRun&) = delete;
   TrainingRun& operator=(const TrainingRun&) = delete;
 
-  /// Places the first particles and gives them their colours.
+  /// Initialises the particles and their colours.
   virtual void start(const Training::Progress& progress) = 0;
-  /// start(), and then goes on from the checkpoint, whose settings are the drive's and `tail` behind them.
+  /// Calls start() and continues from the checkpoint, whose settings are the drive's followed by `tail`.
   virtual void resume(const std::filesystem::path& checkpoint,
                       const std::string& tail,
                       const Training::Progress& progress) = 0;
@@ -57,19 +56,19 @@ class TrainingRun {
   [[nodiscard]] virtual bool is_started() const = 0;
   [[nodiscard]] virtual const TrainStatus& status() const = 0;
   [[nodiscard]] virtual Scene scene() const = 0;
-  /// scene() with the drive's sensors as they were learned, and all that joins what was trained.
+  /// Returns scene() with the learned sensors and everything that is merged into the trained scene.
   [[nodiscard]] virtual SceneFile file() const = 0;
-  /// The same, and there is nothing to train any more: the device has room.
+  /// Returns the same and releases the training's device memory.
   [[nodiscard]] virtual SceneFile take_file() = 0;
-  /// Whether file() has what fill() adds.
+  /// Whether file() already contains the result of fill().
   [[nodiscard]] virtual bool is_filled() const = 0;
 };
 
-/// Trains the particles of a log all at once: the drive's, or a chunk's.
+/// Trains the particles of a whole log: the drive's or a chunk's.
 class SingleRun final : public TrainingRun {
  public:
-  /// `drive` and `log`, the drive's or a chunk's, must outlive it. `identity`: of what it trains. `name`:
-  /// stands in front of what is said of it. `ray_drop`: what is known of the LiDARs' drops; empty: nothing.
+  /// `drive` and `log` (the drive's or a chunk's) must outlive this object. `identity`: lines that identify it.
+  /// `name`: prefix of progress messages. `ray_drop`: known ray-drop functions; may be empty.
   SingleRun(TrainingDrive& drive,
                    const Log& log,
                    TrainingOptions options,
@@ -98,19 +97,19 @@ class SingleRun final : public TrainingRun {
   TrainingOptions options_;
   std::string identity_, name_;
   std::vector<RayDrop> ray_drop_;
-  GaussianSet unmet_;  // joins what has been trained (SceneInit)
+  GaussianSet unmet_;  // initial particles that are merged into the trained scene (SceneInit)
   std::unique_ptr<Trainer> trainer_;
-  std::optional<TrainStatus> last_;  // when its scene has been taken
+  std::optional<TrainStatus> last_;  // status after the scene was taken
 };
 
-/// `chunks`: two or more, of `path`, which is the log's.
+/// Makes a run for two or more `chunks` of `path`, the log's path.
 [[nodiscard]] std::unique_ptr<TrainingRun> chunked_run(TrainingDrive& drive,
                                                                   std::unique_ptr<DrivenPath> path,
                                                                   std::vector<DriveChunk> chunks);
 
-/// What a device may have no room for beside the training: the scene is there all the same.
+/// Runs `make`, ignoring a lack of device memory: the scene exists without its result.
 void if_there_is_room(const std::function<void()>& make);
-/// Fills what nobody has seen behind actors, where the options say so and there is room.
+/// Inpaints disocclusions behind actors if the options ask for it and the device has memory.
 void fill(const Device& device, const Log& log, const TrainingOptions& options, SceneFile& file);
 
 }  // namespace simuli

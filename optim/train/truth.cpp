@@ -113,7 +113,7 @@ std::shared_ptr<const SweepTruth> TruthCache::sweep(std::size_t index) {
       index,
       [&] { return read_sweep_truth(index); },
       [](const SweepTruth& t) {
-        // The ray grid stands on the host as well.
+        // The host keeps a copy of the ray grid.
         return bytes_of(t.truth.slots()) + 2 * bytes_of(t.truth.rays().buffers().requested.sensor_ray);
       });
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What frames recorded, on the device: what the losses compare with.
+// Recorded frames on the device, the ground truth of losses.
 #include <cstddef>
 #include <map>
 #include <memory>
@@ -16,37 +16,38 @@
 namespace simuli {
 
 struct ImageTruth {
-  RayValues truth;        // 3 channels, -1: not known
-  std::size_t known = 0;  // pixels
+  RayValues truth;  // 3 channels; -1: unknown
+  std::size_t known = 0;  // known pixels
 };
 struct SweepTruth {
-  RayValues truth;           // range (-1: not known), intensity; of rays of its own
-  std::size_t known = 0;     // rays
-  std::size_t returned = 0;  // known ones
+  RayValues truth;  // range (-1: unknown), intensity; with rays of its own
+  std::size_t known = 0;  // known rays
+  std::size_t returned = 0;  // known rays with a return
 };
 
-/// The training frames of a log, read when they are asked for and kept within a budget of device memory.
+/// The training frames of a log, read on demand and cached within a device memory budget.
 class TruthCache {
  public:
-  /// `log` must outlive it. `render`: the renderer's (resolved) options.
+  /// `log` must outlive this object. `render`: the resolved options of the renderer.
   TruthCache(const Device& device,
              const Log& log,
              const TrainingOptions& options,
              const RenderOptions& render);
 
-  /// Rays of a camera of the log, scaled as frames.image_scale says.
+  /// Returns the rays of a camera of the log, scaled by frames.image_scale.
   const SensorRays& camera_rays(const std::string& name);
-  /// Index into log.images or log.sweeps. Error{kInput} when the file can't be read.
+  /// Returns a frame by its index into log.images or log.sweeps. Throws Error{kInput} when the file cannot be
+  /// read.
   std::shared_ptr<const ImageTruth> image(std::size_t index);
   std::shared_ptr<const SweepTruth> sweep(std::size_t index);
-  /// Says that these are asked for next, in this order: files of what is not kept are read meanwhile.
+  /// Announces the next frames in order: files that are not cached are read in the background.
   void expect(const std::vector<std::size_t>& images, const std::vector<std::size_t>& sweeps);
-  /// A sweep as its file states it, its ranges corrected by the biases of lidar().
+  /// Returns a sweep as recorded, with ranges corrected by the biases of lidar().
   [[nodiscard]] Sweep stated(std::size_t index) const;
 
-  /// The LiDAR of the log, with the range biases that training has found.
+  /// The LiDAR of the log with the learned range biases.
   [[nodiscard]] const LidarModel& lidar(const std::string& name) const { return lidars_.at(name); }
-  /// From now on sweeps of this LiDAR, one of rows, are corrected by these biases: [rows] m.
+  /// Sets the range biases [rows] in m of a LiDAR with rows; later sweeps are corrected by them.
   void set_range_biases(const std::string& name, const std::vector<double>& biases_m);
 
  private:
@@ -61,8 +62,8 @@ class TruthCache {
   std::map<std::string, std::unique_ptr<SensorRays>> camera_rays_;
   double image_scale_;
   SkyFinder sky_finder_;
-  std::map<std::size_t, std::optional<SkyMask>> sky_;  // of pictures that have been read
-  std::size_t cache_bytes_;                            // of each
+  std::map<std::size_t, std::optional<SkyMask>> sky_;  // of pictures read so far
+  std::size_t cache_bytes_;  // of each
   LruCache<ImageTruth> images_;
   LruCache<SweepTruth> sweeps_;
 };

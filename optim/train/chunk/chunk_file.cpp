@@ -1,4 +1,4 @@
-// Trained chunks as files of blocks: what a training that goes on finds done.
+// Files of trained chunks. A resumed training reads the chunks that it has finished.
 #include <fmt/format.h>
 #include <span>
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a training by chunks of the drive is told.
+// Options of a training by chunks of the drive.
 #include <cstddef>
 #include <cstdint>
 
@@ -7,13 +7,13 @@
 
 namespace simuli {
 
-/// A long drive is cut along its path; each chunk is trained by itself, on its own frames and those a
-/// little before and behind it (METHOD section 10, Stretches).
+/// A long drive is cut along its path into chunks. Each chunk is trained by itself, on its own frames and on
+/// some frames shortly before and after it (METHOD section 10, "Chunks").
 struct ChunkOptions {
   double length_m = 0.0;
-  double overlap_m = 20.0;  // of path before and behind a chunk, some of whose frames it is trained on, too
-  /// Frames of those for each that shows nothing but the chunk. 2 are as good and take 15 % more time; all
-  /// near a chunk lose 0.6 dB (the long street).
+  double overlap_m = 20.0;  // length of path before and after a chunk from which it takes additional frames
+  /// Additional frames per sensor, as a multiple of the frames that show only the chunk (docs/DECISIONS.md,
+  /// "Long drives").
   double overlap_share = 0.5;
   std::size_t host_memory_bytes = 0;
 };
@@ -34,9 +34,9 @@ constexpr void visit_fields(ChunkOptions& o, F&& field) {
   field.internal(o.overlap_share);
 }
 
-/// Into how many chunks a training was cut to fit in memory, and what one of them needs, as estimated.
+/// The number of chunks that fits in memory, and the estimated memory of one chunk.
 struct ChunkPlan {
-  std::size_t count = 0;  // 0: nothing was asked to fit
+  std::size_t count = 0;  // 0: the number was not planned
   double length_m = 0.0;
   std::uint64_t host_bytes = 0, device_bytes = 0;
 };

@@ -11,8 +11,8 @@
 namespace simuli {
 namespace {
 
-constexpr double kVisibilityStep_m = 5.0;  // between the places of a chunk's path that are told
-constexpr double kNear_m = 100.0;     // of path beyond a chunk, in which actors may still hide a part of it
+constexpr double kVisibilityStep_m = 5.0;  // spacing of the path positions stored for a chunk
+constexpr double kNear_m = 100.0;  // path beyond a chunk within which an actor may still occlude part of it
 
 std::uint32_t actor_of(const GaussianSet& set, Eigen::Index i) {
   return set.actor.empty() ? 0U : set.actor[static_cast<std::size_t>(i)];
@@ -23,8 +23,8 @@ Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& rotation) {
   return turn.angle() * turn.axis();
 }
 
-/// Where one chunk has an actor's frame in another's: the mean over the key poses of the times that both
-/// saw. What all key poses of a chunk have in common it could not know.
+/// Returns the pose of the actor's frame in one chunk relative to its frame in another chunk: the mean over key
+/// poses at times that both chunks saw. An error common to all key poses of a chunk is not observable.
 Pose common(const Actor& of, const Actor& in, const DrivenPath& path, const DriveChunk& both) {
   Eigen::Vector3d shift = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
   double count = 0.0;
@@ -42,22 +42,22 @@ Pose common(const Actor& of, const Actor& in, const DrivenPath& path, const Driv
   return {Eigen::Quaterniond(Eigen::AngleAxisd(angle, axis)), shift / count};
 }
 
-/// The key pose at which the actor is at that place.
+/// Moves the key pose to this actor pose.
 void correct(KeyPose& key, const Pose& world_from_actor) {
   key.shift_m = world_from_actor.translation - key.world_from_actor.translation;
   const Eigen::Quaterniond turn = world_from_actor.rotation * key.world_from_actor.rotation.conjugate();
   key.turn_rad = rotation_vector(turn);
 }
 
-/// What of a chunk decides which of its particles stay: how many they are by owner, 0 the background.
+/// Counts that decide which particles of a chunk are kept: particles by owner number, 0 for the background.
 struct PartCounts {
   OwnerNumbers numbers;
   std::vector<Actor> actors;
-  std::vector<std::string> occluders;  // their names
+  std::vector<std::string> occluders;  // names of the occluders
   std::vector<Eigen::Index> camera, lidar;
 };
 
-/// One actor as the chunks have it.
+/// One actor as seen by all chunks.
 class ActorParts {
  public:
   ActorParts(const std::vector<PartCounts>& parts, const std::string& name) {
@@ -77,10 +77,12 @@ class ActorParts {
   [[nodiscard]] bool has_particles() const { return most_ > 0; }
   [[nodiscard]] std::size_t owner() const { return owner_; }
   [[nodiscard]] std::uint32_t number() const { return seen_.at(owner_).number; }
-  /// The owner's, whose particles it moves; beyond its part of the path these stand as they are.
+  /// Deformation of the owning chunk, whose particles it moves; beyond that chunk's part of the path the shape
+  /// is constant.
   [[nodiscard]] const Deformation& deformation() const { return seen_.at(owner_).actor->deformation; }
 
-  /// The owner's track, and beyond its part of the path the others', in the owner's frame.
+  /// Track of the owning chunk, continued beyond its part of the path by the tracks of the other chunks in the
+  /// owner's frame.
   [[nodiscard]] std::vector<KeyPose> track(const ChunkSplit& parting) const {
     const Actor& own = *seen_.at(owner_).actor;
     std::map<std::size_t, Pose> theirs_from_own;
@@ -110,7 +112,7 @@ class ActorParts {
  private:
   struct Seen {
     const Actor* actor = nullptr;
-    std::uint32_t number = 0;  // of its particles
+    std::uint32_t number = 0;  // owner number of its particles
   };
   std::map<std::size_t, Seen> seen_;  // by chunk
   std::size_t owner_ = 0;
@@ -123,14 +125,15 @@ std::vector<Eigen::Index> counts_of(const GaussianSet& set, std::size_t owners) 
   return counts;
 }
 
-/// A set of known size that is filled from its beginning on.
+/// A Gaussian set of known size that is filled from the front.
 class FilledSet {
  public:
   FilledSet(GaussianSet& set, Eigen::Index count) : set_(set) {
     set.params.resize(count, param_rows(set.sh_degree));
     set.actor.reserve(static_cast<std::size_t>(count));
   }
-  /// The particles whose owners (GaussianSet::actor) have a number, under that.
+  /// Appends the particles whose owner number (GaussianSet::actor) is a key of `numbers`, under the mapped
+  /// number.
   void add(const GaussianSet& from, const std::map<std::uint32_t, std::uint32_t>& numbers) {
     std::vector<Eigen::Index> kept;
     for (Eigen::Index i = 0; i < from.size(); ++i) {
@@ -148,7 +151,7 @@ class FilledSet {
   Eigen::Index end_ = 0;
 };
 
-/// The actor as it was recorded while the chunk was near.
+/// Returns the actor with the part of its track recorded near the chunk.
 Actor occluder_of(const ChunkSplit& parting, std::size_t index, Actor actor) {
   const DriveChunk& chunk = parting.chunks[index];
   std::vector<KeyPose> near;
@@ -260,7 +263,7 @@ Scene merged(std::size_t count,
   }
   out.ray_drop = ray_drop.mean();
 
-  std::vector<std::map<std::uint32_t, std::uint32_t>> numbers(count, {{0U, 0U}});  // by chunk, new by old
+  std::vector<std::map<std::uint32_t, std::uint32_t>> numbers(count, {{0U, 0U}});  // by chunk: new number by old number
   Eigen::Index camera_count = 0, lidar_count = 0;
   const auto keep = [&](std::size_t chunk, std::uint32_t number) {
     camera_count += parts[chunk].camera[number];

@@ -1,5 +1,5 @@
 #pragma once
-// What the chunks of a drive come to: each its own part of one scene.
+// Merging the trained chunks of a drive into one scene.
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -14,32 +14,32 @@
 
 namespace simuli {
 
-/// A chunk when it has been trained: all that its cameras see, of the LiDARs' particles those that stand
-/// nearest to its own part of the path, and the actors that it saw, with what it learned of its LiDARs.
+/// A trained chunk: all its camera particles, the LiDAR particles nearest to its part of the path, its actors,
+/// and the sensor parameters learned from its sweeps.
 struct ChunkScene {
   Scene scene;
   std::vector<LogLidar> lidars;
   TrainReport report;
 };
 
-/// How a scene is parted among chunks: what they must have alike.
+/// The division of a scene among chunks, common to all of them.
 struct ChunkSplit {
   const DrivenPath& path;
   const std::vector<DriveChunk>& chunks;
   double overlap_m = 0.0;
 };
 
-/// Without the background's particles of the LiDAR set that another chunk than number `index` owns.
+/// Returns the scene without background LiDAR particles owned by chunks other than `index`.
 [[nodiscard]] Scene owned(Scene scene, const ChunkSplit& parting, std::size_t index);
 
-/// A chunk by its number, whole: good until the next one is asked for.
+/// Returns a chunk by its index; the reference is valid until the next call.
 using ChunkReader = std::function<const ChunkScene&(std::size_t)>;
 
-/// The mean of the LiDARs' drop functions, each chunk's by the sweeps that taught it.
+/// The mean of the LiDARs' ray-drop functions over chunks, weighted by the sweeps that trained each.
 class MeanRayDrop {
  public:
   void add(const ChunkScene& part);
-  /// By the LiDARs' names.
+  /// Returns the mean functions by LiDAR name.
   [[nodiscard]] std::vector<RayDrop> mean() const;
 
  private:
@@ -50,19 +50,18 @@ class MeanRayDrop {
   std::map<std::string, Sum> sums_;
 };
 
-/// One scene of all `count` of them, in their order, each of which is read twice; nothing but the scene and
-/// one of them is in memory at a time. All that they have of the background: of the camera set each has its
-/// own, which is seen from its part of the path alone (Scene::visibility_sets) together with what stood behind actors;
-/// of an actor the particles of the chunk that has most of it, each key pose as the chunk found it in
-/// which it lies, moved by what both have in common; the environment's mean, and that of the LiDARs' drop
-/// functions. `actors`: all that may have particles, their names those of the chunks' actors.
+/// Merges `count` chunks into one scene. Each is read twice; memory holds the scene and one chunk at a time.
+/// Background: each chunk keeps its camera set, rendered only from its part of the path
+/// (Scene::visibility_sets), with its disoccluded sets. Actors: the particles of the chunk that has most of
+/// them; each key pose comes from the chunk in whose part of the path it lies, moved by the relative pose of
+/// both. Environment and ray-drop functions are means. `actors`: all actors that may own particles, with the
+/// names used by the chunks.
 [[nodiscard]] Scene merged(std::size_t count,
                            const ChunkReader& part,
                            const std::vector<Actor>& actors,
                            const ChunkSplit& parting);
 
-/// Adds what a chunk says of itself to what is told of all; `share` of its iterations in theirs weighs its
-/// means.
+/// Adds a chunk's report to the total; `share`, the chunk's part of all iterations, weights its means.
 void add_chunk(TrainReport& all, const TrainReport& own, double share);
 
 }  // namespace simuli

@@ -17,11 +17,11 @@
 namespace simuli {
 namespace {
 
-// What a sensor shows of a chunk is told by so many of its rays, at these parts of the overlap from it.
-constexpr int kColumns = 6, kRows = 4;  // of a picture
-constexpr std::size_t kRays = 61;       // of a sweep: no multiple of its rows
+// A sensor's view of a chunk is sampled with this many rays, at these fractions of the overlap.
+constexpr int kColumns = 6, kRows = 4;  // rays of a picture
+constexpr std::size_t kRays = 61;  // rays of a sweep; not a multiple of its rows
 constexpr std::array<double, 4> kParts{0.1, 0.2, 0.4, 0.8};
-constexpr double kStep_m = 0.5;  // between the places that nearness is asked of
+constexpr double kStep_m = 0.5;  // spacing of the path positions at which distance is evaluated
 
 struct Span {
   double first_s = std::numeric_limits<double>::infinity();
@@ -35,7 +35,7 @@ struct Span {
   }
 };
 
-/// f(x), linear between the points (x[i], y[i]), x ascending; the ends' values beyond.
+/// Interpolates f linearly between the points (x[i], y[i]), x ascending; constant beyond the ends.
 double between(const std::vector<double>& x, const std::vector<double>& y, double at) {
   const auto above = std::upper_bound(x.begin(), x.end(), at);
   if (above == x.begin()) return y.front();
@@ -48,7 +48,7 @@ double between(const std::vector<double>& x, const std::vector<double>& y, doubl
 std::string_view sensor_of(const ImageFrame& frame) { return frame.camera; }
 std::string_view sensor_of(const SweepFrame& frame) { return frame.lidar; }
 
-/// Some of the rays of a sensor, in the rig's frame.
+/// A sample of a sensor's rays in the rig's frame.
 struct RigRays {
   Eigen::Vector3d origin;
   std::vector<Eigen::Vector3d> directions;
@@ -79,7 +79,7 @@ RigRays some_rays(const LogLidar& lidar) {
   return out;
 }
 
-/// How much of what a log's sensors show is of a chunk.
+/// Computes the share of a sensor's view that shows a chunk.
 class ChunkVisibility {
  public:
   ChunkVisibility(const Log& log, const DrivenPath& path, const DriveChunk& chunk, double overlap_m)
@@ -91,8 +91,8 @@ class ChunkVisibility {
     for (const LogCamera& camera : log.cameras) rays_[camera.model.name] = some_rays(camera);
     for (const LogLidar& lidar : log.lidars) rays_[name_of(lidar.model)] = some_rays(lidar);
   }
-  /// Of the places on a sensor's rays, as far as the overlap reaches, those that stand nearest to the
-  /// chunk.
+  /// Returns the share of sample points along the sensor's rays, up to the overlap length, that are nearest to
+  /// this chunk.
   [[nodiscard]] double share(std::string_view sensor, double time_s) const {
     const RigRays& rays = rays_.at(sensor);
     Pose scene_from_rig = log_.world_from_rig.at(time_s);
@@ -128,7 +128,7 @@ std::vector<Frame> frames_of(const std::vector<Frame>& all,
                              const ChunkOptions& options,
                              const ChunkVisibility& sight) {
   std::vector<Frame> out;
-  std::map<std::string_view, double> due;  // frames beside, of each sensor
+  std::map<std::string_view, double> due;  // frames outside the chunk still to be added, by sensor
   for (const std::size_t i : rule.training(all)) {
     const double middle_s = 0.5 * (all[i].time_start_s + all[i].time_end_s);
     const double position_m = path.place_at(middle_s);
@@ -147,7 +147,7 @@ std::vector<Frame> frames_of(const std::vector<Frame>& all,
 
 }  // namespace
 
-/// Places along the path, and a tree of them.
+/// Positions along the path and a search tree of them.
 struct DrivenPath::Search {
   Search(const std::vector<Eigen::Vector3f>& places, std::vector<double> along) : along_m(std::move(along)) {
     points.position.resize(3, static_cast<Eigen::Index>(places.size()));
@@ -219,7 +219,7 @@ std::vector<Eigen::Vector3d> DrivenPath::places_of(const DriveChunk& chunk, doub
   const auto place = [&](std::size_t i) -> Eigen::Vector3d {
     return search_->points.position.col(static_cast<Eigen::Index>(i)).cast<double>();
   };
-  if (within.empty()) {  // between two of them
+  if (within.empty()) {  // between two path positions
     const auto next = std::lower_bound(search_->along_m.begin(), search_->along_m.end(), chunk.from_m);
     const auto last = static_cast<std::ptrdiff_t>(search_->along_m.size()) - 1;
     return {place(static_cast<std::size_t>(std::min(next - search_->along_m.begin(), last)))};

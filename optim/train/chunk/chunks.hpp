@@ -1,5 +1,5 @@
 #pragma once
-// A drive cut along its path.
+// Cutting a drive along its path into chunks.
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
@@ -11,28 +11,28 @@
 
 namespace simuli {
 
-/// A part of the path, [from_m, to_m) along it. The first begins, and the last ends, where the drive does.
+/// An interval [from_m, to_m) along the path. The first and the last chunk extend to the ends of the drive.
 struct DriveChunk {
   double from_m = 0.0, to_m = 0.0;
 };
 
-/// The way that the rig takes from a log's first frame to its last, by its length.
+/// The path of the rig from a log's first frame to its last, parametrised by arc length in m.
 class DrivenPath {
  public:
-  /// Error{kInput} for a log without frames or path.
+  /// Throws Error{kInput} for a log without frames or path.
   explicit DrivenPath(const Log& log);
   ~DrivenPath();
   DrivenPath(const DrivenPath&) = delete;
   DrivenPath& operator=(const DrivenPath&) = delete;
 
   [[nodiscard]] double length_m() const { return length_m_; }
-  /// Along the path, where the rig is then; its ends before and behind.
+  /// Returns the arc length at a time, clamped to the path's ends.
   [[nodiscard]] double place_at(double time_s) const;
-  /// Along the path, at its place nearest to a point of the scene, to 0.25 m.
+  /// Returns the arc length of the path position nearest to a point of the scene, accurate to 0.25 m.
   [[nodiscard]] double place_nearest(const Eigen::Vector3f& p_scene) const;
-  /// Places of the path in that chunk of it (scene, m), in its order, about `step_m` apart; one at least.
+  /// Returns path positions (scene, m) within the chunk, in order and about `step_m` apart; at least one.
   [[nodiscard]] std::vector<Eigen::Vector3d> places_of(const DriveChunk& chunk, double step_m) const;
-  /// m, of the path's farthest place from the scene's origin.
+  /// Largest distance in m of the path from the scene's origin.
   [[nodiscard]] double farthest_m() const { return farthest_m_; }
 
  private:
@@ -42,19 +42,20 @@ class DrivenPath {
   std::unique_ptr<Search> search_;
 };
 
-/// Stretches of equal length, as near to options.length_m as that goes; one when that is 0.
+/// Cuts the path into chunks of equal length near options.length_m; one chunk when that is 0.
 [[nodiscard]] std::vector<DriveChunk> cut(const DrivenPath& path, const ChunkOptions& options);
 
-/// Of which of them a place is.
+/// Returns the index of the chunk that contains the arc length.
 [[nodiscard]] std::size_t chunk_at(const std::vector<DriveChunk>& chunks, double position_m);
 
-/// Behind which of a drive's iterations each chunk ends that has so many training pictures: in proportion.
+/// Returns the iteration at which each chunk ends: iterations are divided in proportion to the chunks' training
+/// pictures.
 [[nodiscard]] std::vector<int> ends_of(int iterations, const std::vector<std::size_t>& pictures);
 
-/// The log with the training frames (of `frames`) of a chunk alone, and with some of those up to overlap_m
-/// before and behind it: of each sensor as many as show it, added up by the share of what they show that is
-/// of it, times `beside`; what a chunk shows from afar is theirs to say. Of the actors it has those that
-/// are there meanwhile. None of its frames is to be held out any more.
+/// Returns the log restricted to the training frames (of `frames`) of a chunk, plus some frames up to overlap_m
+/// before and after it. For each sensor these are added until their shares that show the chunk sum to
+/// `overlap_share` times its own frames, because they see parts of the chunk from a distance. The log keeps the
+/// actors present at those times, and none of its frames is held out.
 [[nodiscard]] Log log_of(const Log& log,
                          const FrameSelection& frames,
                          const DrivenPath& path,

@@ -1,4 +1,5 @@
-// The camera set along the LiDARs' rays: pictures alone leave open how far away what they show is.
+// Depth loss: supervises the camera set's distance along LiDAR rays, because pictures alone leave depth
+// ambiguous.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -24,8 +25,8 @@ class DepthLossTerm final : public LossTerm {
   [[nodiscard]] RenderedShard show(std::size_t shard, RealBuffer& error) override;
 };
 
-/// The rays of one of DepthOptions::kSectors parts of a sweep: neighbouring columns, so that most particles meet
-/// none of them.
+/// Returns the rays of one of DepthOptions::kSectors sectors of a sweep: neighbouring columns, so that most
+/// particles intersect none of them.
 SensorRays sector_of(const SensorRays& rays, std::size_t columns, std::size_t sector) {
   std::vector<bool> inside(rays.grid().rays);
   for (std::size_t ray = 0; ray < inside.size(); ++ray) {
@@ -40,7 +41,7 @@ RenderedShard DepthLossTerm::show(std::size_t shard, RealBuffer& /*error*/) {
   const std::size_t index = frame_of(state_.sweeps, turn, shard);
   const SweepFrame& frame = state_.log.sweeps[index];
   const auto truth = state_.truth.sweep(index);
-  // From one time that a sweep is taken to the next its sectors come one by one.
+  // Successive uses of a sweep take its sectors in turn.
   const std::size_t epoch = (static_cast<std::size_t>(turn) * shard_count() + shard) / state_.sweeps.size();
   const SensorRays rays = sector_of(truth->truth.rays(),
                                     sweep_shape(state_.truth.lidar(frame.lidar)).columns,

@@ -1,5 +1,4 @@
-// The camera set from beside the path: pictures alone leave open what it looks like from where none was
-// taken.
+// Off-trajectory loss: supervises the camera set in views where no picture was recorded.
 #include <map>
 #include <string>
 #include <utility>
@@ -11,7 +10,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::uint64_t kStream = 3;  // of numbers drawn
+constexpr std::uint64_t kStream = 3;  // random stream
 
 class OffTrajectoryLossTerm final : public LossTerm {
  public:
@@ -27,15 +26,15 @@ class OffTrajectoryLossTerm final : public LossTerm {
  private:
   [[nodiscard]] RenderedShard show(std::size_t shard, RealBuffer& error) override;
 
-  SeenSurfaces surfaces_;                   // of the picture
-  std::map<std::string, RayValues> shown_;  // by camera: what the picture shows of those beside
+  SeenSurfaces surfaces_;  // surfaces seen by the recorded picture
+  std::map<std::string, RayValues> shown_;  // by camera: colours of the recorded picture in the off-trajectory view
 };
 
 RenderedShard OffTrajectoryLossTerm::show(std::size_t shard, RealBuffer& /*error*/) {
   const std::size_t index = frame_of(state_.images, state_.status.iteration, shard);
   const ImageFrame& frame = state_.log.images[index];
   const SensorRays& rays = state_.truth.camera_rays(frame.camera);
-  // Of all such pictures.
+  // Counter of off-trajectory pictures over all shards.
   const std::uint64_t picture = static_cast<std::uint64_t>(state_.status.iteration) * shard_count() + shard;
   const double left_m = state_.options.off_trajectory.reach_m * (2.0 * drawn(state_.seed, kStream, picture) - 1.0);
   const Shot shot =
@@ -49,7 +48,7 @@ RenderedShard OffTrajectoryLossTerm::show(std::size_t shard, RealBuffer& /*error
 
   Pass pass = state_.renderer.render(set_.particles, rays, there, state_.appearance.environment());
   state_.appearance.grade(pass, index);
-  // Of all pixels: how many are known only the device knows.
+  // Normalised by all pixels, because the number of pixels with a known colour stays on the device.
   const double share = state_.options.off_trajectory.weight / (3.0 * static_cast<double>(rays.grid().rays));
   const ImageWeights& w = state_.options.image;
   const ImageLoss loss =

@@ -1,4 +1,4 @@
-// Recorded pictures.
+// Picture loss on recorded pictures.
 #include <algorithm>
 #include <cmath>
 #include <utility>

@@ -1,4 +1,4 @@
-// Pictures from beside the path that a program of the user's has repaired.
+// Loss on off-trajectory pictures that an external program has repaired.
 #include <utility>
 
 #include "optim/train/loss_terms/loss_term.hpp"

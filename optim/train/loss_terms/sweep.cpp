@@ -1,4 +1,4 @@
-// Recorded sweeps.
+// Losses on recorded sweeps.
 #include <algorithm>
 #include <map>
 #include <string>
@@ -39,7 +39,7 @@ RenderedShard SweepLossTerm::show(std::size_t shard, RealBuffer& error) {
   view.drop = state_.drop.of(frame.lidar);
   Pass pass = state_.renderer.render(set_.particles, truth->truth.rays(), view);
   const double rays = std::max(1.0, static_cast<double>(truth->known));
-  // A sweep without a return has no distance loss to weigh: its sums are zero.
+  // A sweep without returns has no distance loss: its sums are zero.
   const double returned = std::max(1.0, static_cast<double>(truth->returned));
   const LidarWeights& w = state_.options.weights;
   ShardPart part;

@@ -11,12 +11,12 @@
 namespace simuli {
 namespace {
 
-/// Ends a rank because another one has.
+/// Ends a rank because another rank has failed.
 struct OtherHasEnded : Error {
   OtherHasEnded() : Error(ErrorKind::kInternal, "ranks: another one has ended") {}
 };
 
-/// What the ranks leave for each other.
+/// Exchanges the messages of the ranks, one round at a time.
 class Meeting {
  public:
   explicit Meeting(std::size_t count) : given_(count), all_(count) {}
@@ -35,10 +35,10 @@ class Meeting {
       changed_.notify_all();
     } else {
       changed_.wait(lock, [&] { return rounds_ != round || failure_ != nullptr; });
-      // One that is done must not be called ended: its failure, if any, is of a later round.
+      // A finished rank is not reported as failed: its failure, if any, belongs to a later round.
       if (rounds_ == round) need_all();
     }
-    return messages_;  // stays until all have been here again
+    return messages_;  // valid until all ranks have called again
   }
   void fail(std::exception_ptr failure) {
     const std::lock_guard lock(mutex_);
@@ -56,7 +56,7 @@ class Meeting {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Ranks::Bytes> given_, all_;
-  std::vector<Ranks::Message> messages_;  // in all_
+  std::vector<Ranks::Message> messages_;  // messages joined in all_
   std::size_t come_ = 0;
   std::uint64_t rounds_ = 0;
   std::exception_ptr failure_;
@@ -93,7 +93,7 @@ void run_rank_threads(std::size_t count, const std::function<void(Ranks&)>& work
     try {
       for (std::size_t rank = 1; rank < count; ++rank) threads.emplace_back(run, rank);
     } catch (...) {
-      meeting.fail(std::current_exception());  // those that have started wait for others
+      meeting.fail(std::current_exception());  // the started ranks wait for the others
     }
     run(0);
   }

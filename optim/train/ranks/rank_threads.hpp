@@ -1,5 +1,5 @@
 #pragma once
-// Ranks within one process: a thread each.
+// Ranks within one process, one thread each.
 #include <cstddef>
 #include <functional>
 
@@ -7,9 +7,9 @@
 
 namespace simuli {
 
-/// Runs `work` once for each of `count` ranks, side by side, rank 0 on the calling thread; returns when all
-/// are done. When one leaves with an exception the others do so at their next call, and what is thrown here
-/// is the first one's.
+/// Runs `work` concurrently for each of `count` ranks, rank 0 on the calling thread, and returns when all have
+/// finished. When one throws, the others fail at their next call, and this function rethrows the first
+/// exception.
 void run_rank_threads(std::size_t count, const std::function<void(Ranks&)>& work);
 
 }  // namespace simuli

@@ -11,7 +11,7 @@ class OneRank final : public Ranks {
   [[nodiscard]] std::size_t rank() const override { return 0; }
   [[nodiscard]] std::size_t size() const override { return 1; }
   [[nodiscard]] std::span<const Message> all_gather(Message own) override {
-    thread_local Message all;  // one_rank() is everybody's
+    thread_local Message all;  // one_rank() is shared by all threads
     all = own;
     return {&all, 1};
   }

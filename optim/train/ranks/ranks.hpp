@@ -1,5 +1,5 @@
 #pragma once
-// Those that train one scene together: processes of MPI, or threads with a device each.
+// Ranks that share the training of one scene: MPI processes, or threads with a device each.
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -15,7 +15,7 @@
 
 namespace simuli {
 
-/// Leaves new elements as they come: messages are megabytes, each written anyway.
+/// Leaves new elements uninitialised: messages have megabytes and are overwritten.
 template <class T>
 struct UnsetAllocator : std::allocator<T> {
   template <class U>
@@ -32,7 +32,7 @@ struct UnsetAllocator : std::allocator<T> {
   }
 };
 
-/// One of them, as it sees the others. All ranks make the same calls in the same order.
+/// One rank. All ranks make the same calls in the same order.
 class Ranks {
  public:
   using Bytes = std::vector<std::byte, UnsetAllocator<std::byte>>;
@@ -44,42 +44,42 @@ class Ranks {
 
   [[nodiscard]] virtual std::size_t rank() const = 0;  // from 0
   [[nodiscard]] virtual std::size_t size() const = 0;
-  /// What each rank gives, by rank; stands until this rank's next call, and its own as long as the caller's
-  /// does. Nothing is added or changed on the way. An exception when another rank has ended.
+  /// Returns the message of each rank, by rank, unchanged. The span is valid until this rank's next call, and
+  /// its own part as long as the caller's memory. Throws when another rank has failed.
   using Message = std::span<const std::byte>;
   [[nodiscard]] virtual std::span<const Message> all_gather(Message own) = 0;
 
-  /// Whether it holds for any rank.
+  /// Whether the value is true on any rank.
   [[nodiscard]] bool any(bool own);
-  /// What rank 0 has.
+  /// Returns the value of rank 0.
   [[nodiscard]] bool first(bool own);
-  /// Returns when all ranks have come here.
+  /// Returns when all ranks have called it.
   void wait_for_all();
   [[nodiscard]] bool is_first() const { return rank() == 0; }
 };
 
-/// A training by itself.
+/// A training without other ranks.
 [[nodiscard]] Ranks& one_rank();
 
-/// What all ranks must have alike: "device" and its name, ...
+/// A property that must be equal on all ranks: "device" and its name, ...
 struct RankField {
   std::string name;
   std::string value;
 };
-/// Ranks that can't give the same bits. Thrown in all of them, with the same text.
+/// Ranks whose properties would give different bits. Thrown on all ranks with the same text.
 class RanksDiffer : public Error {
  public:
   explicit RanksDiffer(const std::string& what) : Error(ErrorKind::kDevice, what) {}
 };
-/// RanksDiffer reading "rank 2: driver: found FOUND, expected EXPECTED of rank 0", of the first rank that has
-/// a field otherwise than rank 0.
+/// Throws RanksDiffer, "rank 2: driver: found FOUND, expected EXPECTED of rank 0", for the first rank that
+/// differs from rank 0.
 void need_same(Ranks& ranks, const std::vector<RankField>& fields);
 
-/// Values without pointers, one behind the other, as ranks send them.
+/// Serialises values without pointers into a message.
 class RankWriter {
  public:
   RankWriter() = default;
-  /// Over the memory of a message that is done with.
+  /// Reuses the memory of an earlier message.
   explicit RankWriter(Ranks::Bytes&& memory) : bytes_(std::move(memory)) { bytes_.clear(); }
   template <class T>
   requires std::is_trivially_copyable_v<T>
@@ -87,8 +87,8 @@ class RankWriter {
     const std::span<T> room = this->room<T>(values.size());
     if (!values.empty()) std::memcpy(room.data(), values.data(), room.size_bytes());
   }
-  /// Room for `count` values, to be written before the next call. Aligned for T as long as all that is in
-  /// front of it has whole multiples of its size.
+  /// Reserves `count` values to be written before the next call. They are aligned for T if all preceding data
+  /// have sizes that are multiples of sizeof(T).
   template <class T>
   requires std::is_trivially_copyable_v<T>
   [[nodiscard]] std::span<T> room(std::size_t count) {
@@ -105,7 +105,7 @@ class RankWriter {
   Ranks::Bytes bytes_;
 };
 
-/// Reads what a RankWriter has written, in its order. Error{kInternal} for other bytes.
+/// Reads the values of a RankWriter in order. Throws Error{kInternal} for other bytes.
 class RankReader {
  public:
   explicit RankReader(std::span<const std::byte> bytes) : left_(bytes) {}
@@ -116,7 +116,7 @@ class RankReader {
     values.resize(count);
     take(values.data(), count * sizeof(T));
   }
-  /// The next values where they stand, as room() had aligned them.
+  /// Returns the next values in place, aligned by reserve order of the writer.
   template <class T>
   requires std::is_trivially_copyable_v<T>
   [[nodiscard]] std::span<const T> view() {
