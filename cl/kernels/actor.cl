@@ -1,12 +1,12 @@
-// actor.cl - sums of pose gradients by actor, and what keeps particles in their boxes. Launcher: host/device/render/train/actor.cpp
+// actor.cl - sums pose gradients by actor and keeps particles inside their actor's box. Launcher: host/device/render/train/actor.cpp
 #include "math/actor.h"
 #include "math/lanes.h"
 
-/// One work-item per (actor, chunk of its particles): partial sums in the order of the list.
-/// in  actor_list[L]: particles, those of an actor consecutive; actor_first[A+1]; keys[N]: 0xffffffff for a culled particle;
-///     motions[N][4], with `moving`; pose_grads[6][stride]
-/// out partial[A][chunks][12]: dL/d(shift, turn) of the actor's pose at the frame's start, then at its end. A
-///     pose at the time share t is (1 - t) of the one and t of the other.
+/// Sums pose gradients by actor. One work-item per (actor, chunk of its particles), in the order of the list.
+/// in  actor_list[L]: particles, consecutive for each actor; actor_first[A+1]; keys[N]: 0xffffffff for a culled
+///     particle; motions[N][4] if `moving`; pose_grads[6][stride]
+/// out partial[A][chunks][12]: dL/d(shift, turn) of the actor's pose at the start and at the end of the frame.
+///     A pose at the time share t is interpolated with weights (1 - t) and t.
 __kernel void actor_pose_sums(const uint actors,
                               const uint chunks,
                               const uint stride,
@@ -38,7 +38,8 @@ __kernel void actor_pose_sums(const uint actors,
   for (int k = 0; k < 2 * SIM_POSE_GRAD; ++k) partial[(ulong)item * 2 * SIM_POSE_GRAD + k] = sum[k];
 }
 
-/// Particles of actors stay in their boxes and are not longer than a share of them. One per work-item.
+/// Moves particles of actors back into the actor's box and limits their length to a share of it. One work-item
+/// per listed particle.
 /// in  actor_list[L]; actor_of[N]; bounds[1 + A][4]: half sides of the box (m), largest log-scale
 __kernel void actor_confine(const uint count,
                             const uint stride,

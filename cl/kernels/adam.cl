@@ -3,10 +3,10 @@
 #include "math/rotation.h"
 #include "shared/layout.h"
 
-// Of a particle whose mean takes steps of its rate, m. Smaller and larger ones: docs/DECISIONS.md, "The camera set".
+// Size in m of a particle whose mean moves with the nominal rate; docs/DECISIONS.md, "Learning rates".
 #define SIM_MEAN_SIZE R(0.02)
 
-/// What all rows of a matrix share.
+/// Moments and constants common to all rows of a matrix.
 typedef struct {
   real beta1, beta2;
   real inv_bias1, inv_bias2;
@@ -14,7 +14,7 @@ typedef struct {
   __global real* second;
 } Moments;
 
-/// Updates the moments that start at `at` by gradient g; the step of rate 1.
+/// Updates the moments at index `at` with gradient g; returns the step for rate 1.
 FN F step_of(const Moments* moments, uint at, F g, I live, F epsilon) {
   const F m0 = LDV(moments->first + at);
   const F v0 = LDV(moments->second + at);
@@ -25,7 +25,7 @@ FN F step_of(const Moments* moments, uint at, F g, I live, F epsilon) {
   return m * moments->inv_bias1 / (sqrt(v * moments->inv_bias2) + epsilon);
 }
 
-/// A gradient where it is finite, else 0, and one more in `bad`.
+/// Returns a finite gradient, and 0 for a non-finite one, which is counted in `bad`.
 FN F finite_gradient(__global const real* grads, uint i, I live, F* bad) {
   const F raw = LDV(grads + i);
   const I finite = fabs(raw) < R(1e30);
@@ -33,17 +33,19 @@ FN F finite_gradient(__global const real* grads, uint i, I live, F* bad) {
   return SEL(finite, raw, (F)R(0.0));
 }
 
-/// V columns per work-item, all their parameters: particles, or with `dense` anything. Particles that the last
-/// frame culled have no gradient: they keep parameters and moments, and cost one look at their key.
-/// in  keys[particles]: 0xffffffff for a culled particle, not read when `dense`; grads[rows][stride]
-///     first: where the matrix starts in params and moments
-///     rate[rows], epsilon[rows]: of each row, of means of a gradient by s_k; the bias corrections come from the host as
-///     inv_bias1 = 1 / (1 - beta1^t) and inv_bias2 = 1 / (1 - beta2^t) (Kingma and Ba, algorithm 1)
-/// Means move along their particle's axes, along each in proportion to its standard deviation s_k: by the rate times
-/// s_k / sqrt(s SIM_MEAN_SIZE), s their geometric mean. Adam's steps have one length otherwise, whatever the particle's,
-/// and across a disk as far as along it. Moments stay those of steps in metres: in units of s_k, which shrinks while a
-/// particle learns, second moments remember more than its gradients now (street -0.1 dB).
-/// A gradient that is not finite (or above 1e30) moves nothing, of a mean no part, and is counted in rejected[0].
+/// Takes one Adam step. V columns per work-item with all their parameters: particles, or other values with
+/// `dense`. Particles culled in the last frame have no gradient: they keep parameters and moments and cost one
+/// read of their key.
+/// in  keys[particles]: 0xffffffff for a culled particle, unused with `dense`; grads[rows][stride]
+///     first: offset of the matrix in params and moments
+///     rate[rows], epsilon[rows]: per row; for means the epsilon applies to the gradient times s_k
+///     inv_bias1 = 1 / (1 - beta1^t), inv_bias2 = 1 / (1 - beta2^t) (Kingma and Ba, algorithm 1), from the host
+/// Means move along the axes of their particle, along axis k by the rate times s_k / sqrt(s SIM_MEAN_SIZE),
+/// where s_k is the standard deviation and s the geometric mean of all three. Plain Adam steps have the same
+/// length for particles of any size, and the same length across a disk as along it. Moments are those of steps
+/// in metres: in units of s_k, which shrinks during training, second moments would outweigh recent gradients.
+/// A gradient that is not finite or exceeds 1e30 moves nothing (for a mean no component) and is counted in
+/// rejected[0].
 __kernel void adam(const uint particles,
                    const uint stride,
                    const uint rows,

@@ -1,20 +1,20 @@
-// anchor.cl - a set's nearest neighbours in another, their distance as a loss. Launcher: host/device/render/train/anchor.cpp
-// Points lie in the order of their Morton code (63 bits: 21 per axis), 16 to a leaf, 16 leaves or nodes to a
-// node: a tree of boxes without pointers, as good for clusters, lines and outliers as for an even cloud.
-// Node i of a level has the children 16 i .. 16 i + 15 of the level below, leaves below level 0.
-// Particles of actors are in their actor's frame: only those of one frame are neighbours.
-// Build: NEIGHBOURS, the K; LS: work-items of a query, 1 with vectors of 16 or, on GPUs, 16 that share the heap and
-// what is yet to be seen, in local memory.
+// anchor.cl - nearest neighbours of one set in another, and their distance as a loss. Launcher: host/device/render/train/anchor.cpp
+// Points are sorted by Morton code (63 bits, 21 per axis), 16 per leaf and 16 leaves or nodes per node: a tree
+// of bounding boxes without pointers that suits clusters, lines and outliers as well as even clouds. Node i of
+// a level has the children 16 i .. 16 i + 15 of the level below; leaves are below level 0. Particles of actors
+// are in their actor's frame, so neighbours belong to the same frame.
+// Build: NEIGHBOURS, the K; LS, the work-items of a query: 1 with vectors of 16 or, on GPUs, 16 that share the
+// heap and the pending nodes in local memory.
 #include "math/lanes.h"
 #include "shared/layout.h"
 
 #define SIM_ANCHOR_WIDTH 16
-#define SIM_ANCHOR_LEVELS 6  // 16^6 leaves are more than a set may have particles
+#define SIM_ANCHOR_LEVELS 6  // 16^6 leaves exceed the largest set
 #define SIM_ANCHOR_NONE 0xffffffffu
 #define SIM_ANCHOR_FAR ((real)INFINITY)
 typedef REAL_VECTOR(16) R16;
 
-// The part of 16 that a work-item has: all of them, or one.
+// The part of 16 lanes that one work-item has: all, or one.
 #if LS > 1
 #define SIM_ANCHOR_SHARED __local
 #define SIM_ANCHOR_SYNC barrier(CLK_LOCAL_MEM_FENCE)
@@ -41,10 +41,11 @@ FN int is_finite_point(real x, real y, real z) {
   return fabs(x) < SIM_ANCHOR_FAR && fabs(y) < SIM_ANCHOR_FAR && fabs(z) < SIM_ANCHOR_FAR;
 }
 
-/// The actor of particle i (GaussianSet::actor); actor_of holds nothing where there are no actors.
+/// Returns the frame of particle i (GaussianSet::actor); actor_of is unused without actors.
 FN uint frame_of(uint actors, __global const uint* actor_of, uint i) { return actors > 0 ? actor_of[i] : 0; }
 
-/// out boxes[work-items][6]: least x, y, z and greatest x, y, z of the chunk's finite points
+/// Bounds of the finite points of each chunk.
+/// out boxes[work-items][6]: smallest x, y, z and largest x, y, z
 __kernel void anchor_bounds(
     __global const real* params, const uint stride, const uint n, const uint chunk, __global real* boxes) {
   const uint begin = get_global_id(0) * chunk;
@@ -61,7 +62,7 @@ __kernel void anchor_bounds(
   SIM_EACH(k, 3) box[k] = low[k], box[3 + k] = high[k];
 }
 
-/// The bits of a 21-bit number three apart.
+/// Spreads the bits of a 21-bit number to every third bit.
 FN ulong spread_bits(ulong x) {
   x = (x | x << 32) & 0x001f00000000ffffUL;
   x = (x | x << 16) & 0x001f0000ff0000ffUL;
@@ -70,9 +71,9 @@ FN ulong spread_bits(ulong x) {
   return (x | x << 2) & 0x1249249249249249UL;
 }
 
-/// Half of each point's Morton code; points without a place come last.
-/// in  frame[4]: least corner, cells per m; order[n] or, in the first pass (shift 0), nothing
-/// out keys[n]: 32 bits of the code of order[i], from bit `shift` on; order[n] = i in the first pass
+/// Computes 32 bits of each point's Morton code; non-finite points sort last.
+/// in  frame[4]: lowest corner, cells per m; order[n], unused in the first pass (shift 0)
+/// out keys[n]: bits [shift, shift + 32) of the code of point order[i]; order[n] = i in the first pass
 __kernel void anchor_keys(__global const real* params,
                           const uint stride,
                           const uint n,
@@ -98,8 +99,8 @@ __kernel void anchor_keys(__global const real* params,
   keys[i] = (uint)(code >> shift);
 }
 
-/// Leaves, and their boxes as lanes of the nodes of level 0.
-/// out points[leaves][3][16], ids[leaves][16] (SIM_ANCHOR_NONE: no point there); boxes[nodes][6][16]
+/// Writes leaves, and their boxes as lanes of the nodes of level 0.
+/// out points[leaves][3][16]; ids[leaves][16], SIM_ANCHOR_NONE for empty lanes; boxes[nodes][6][16]
 __kernel void anchor_leaves(__global const real* params,
                             const uint stride,
                             const uint n,
@@ -133,8 +134,8 @@ __kernel void anchor_leaves(__global const real* params,
   SIM_EACH(k, 3) box[k * SIM_ANCHOR_WIDTH] = low[k], box[(3 + k) * SIM_ANCHOR_WIDTH] = high[k];
 }
 
-/// Boxes of the nodes [child_first, child_first + children) as lanes of the level above, at parent_first.
-/// Lanes without a child (those of leaves, too) must have been filled with NaN: no query comes near them.
+/// Writes boxes of the nodes [child_first, child_first + children) as lanes of the level above, from
+/// parent_first on. Lanes without a child, also in leaves, must contain NaN so that no query visits them.
 __kernel void anchor_nodes(__global real* boxes,
                            const uint child_first,
                            const uint children,
@@ -151,8 +152,8 @@ __kernel void anchor_nodes(__global real* boxes,
   }
 }
 
-/// Squared distances from p to 16 boxes; boxes of nothing (least above greatest, or NaN) are infinitely far.
-/// Rounds as the distance to a point does, and monotonically: never above that to a point inside.
+/// Squared distances from p to 16 boxes; infinite for empty boxes (smallest above largest, or NaN). Rounds
+/// monotonically like the distance to a point: never above the distance to a point inside the box.
 FN Part box_distances(__global const real* box, const real* p) {
   Part sum = (Part)R(0.0);
   Part empty_low = SIM_ANCHOR_PART(0, box);
@@ -166,13 +167,13 @@ FN Part box_distances(__global const real* box, const real* p) {
   return SEL(empty_low < SIM_ANCHOR_FAR, sum, (Part)SIM_ANCHOR_FAR);
 }
 
-/// Nodes of a level of the tree over n points.
+/// Number of nodes in a level of the tree over n points.
 FN uint nodes_of(uint n, int level) { return (n + (1u << (4 * level + 8)) - 1u) >> (4 * level + 8); }
 
-/// Whether neighbour (d, id) comes after (e, other): by distance, ties by number.
+/// Whether neighbour (d, id) comes after (e, other): by distance, then by index.
 FN int comes_after(real d, uint id, real e, uint other) { return d > e || (d == e && id > other); }
 
-/// Puts (d, id) at the root of the first `count` entries of a heap whose root is the last neighbour.
+/// Replaces the root of a heap of `count` entries, whose root is the farthest neighbour, by (d, id).
 FN void sift_down(
     SIM_ANCHOR_SHARED real* distance, SIM_ANCHOR_SHARED uint* neighbour, uint count, real d, uint id) {
   uint at = 0;
@@ -191,12 +192,13 @@ FN void sift_down(
   neighbour[at] = id;
 }
 
-/// One query per group of LS work-items: depth first, nearest child first, skipping boxes behind the K-th neighbour.
-/// in  queries: parameter rows, of which the means are used; boxes, points, ids of the tree over n points;
-///     query_actor_of[N], actor_of[n] with query_actors, actors > 0
-/// out candidates[N][K]: neighbours in the query's frame nearer than reach, nearest first, ties by number;
-///     SIM_ANCHOR_NONE: there are no more
-///     nearest[N]: the first of them
+/// Finds the K nearest candidates of each query. One query per group of LS work-items: depth first, nearest
+/// child first, skipping boxes farther than the K-th neighbour.
+/// in  queries: parameter rows, of which the means are read; boxes, points, ids of the tree over n points;
+///     query_actor_of[N], actor_of[n] if query_actors, actors > 0
+/// out candidates[N][K]: neighbours in the query's frame within reach, nearest first, ties by index;
+///     SIM_ANCHOR_NONE where there are fewer
+///     nearest[N]: the first candidate
 __kernel SIM_GROUP void anchor_search(__global const real* queries,
                                       const uint query_stride,
                                       const uint query_count,
@@ -213,7 +215,7 @@ __kernel SIM_GROUP void anchor_search(__global const real* queries,
                                       __global uint* nearest) {
   SIM_ANCHOR_SHARED real distance[NEIGHBOURS];
   SIM_ANCHOR_SHARED uint neighbour[NEIGHBOURS];
-  // Of the nodes on the way down: squared distances of children yet to be seen.
+  // Squared distances of the unvisited children of the nodes on the current path.
   SIM_ANCHOR_SHARED real pending[SIM_ANCHOR_LEVELS * SIM_ANCHOR_WIDTH];
   SIM_ANCHOR_SHARED real found[SIM_ANCHOR_WIDTH];
   const uint query = get_global_id(0) / LS, lid = get_global_id(0) % LS;
@@ -224,10 +226,10 @@ __kernel SIM_GROUP void anchor_search(__global const real* queries,
   for (uint k = lid; k < NEIGHBOURS; k += LS) distance[k] = reach2, neighbour[k] = SIM_ANCHOR_NONE;
 
   int top = 0;
-  uint first = 0;  // of the level's nodes
+  uint first = 0;  // first node of the level
   while (nodes_of(n, top) > 1 && top + 1 < SIM_ANCHOR_LEVELS) first += nodes_of(n, top++);
   int level = top;
-  uint node = 0;  // of its level
+  uint node = 0;  // index within its level
   if (n > 0)
     SIM_ANCHOR_KEEP(box_distances(boxes + (ulong)first * 6 * SIM_ANCHOR_WIDTH, p), level, pending);
   else
@@ -268,9 +270,9 @@ __kernel SIM_GROUP void anchor_search(__global const real* queries,
     }
     SIM_ANCHOR_SYNC;
   }
-  SIM_ANCHOR_SYNC;  // the others may still compare with the root that is taken now
+  SIM_ANCHOR_SYNC;  // other work-items may still read the root that is replaced now
   if (lid > 0) return;
-  // The heap's root is the last: from the back.
+  // The heap's root is the farthest, so the list is written from its end.
   __global uint* out = candidates + (ulong)query * NEIGHBOURS;
   for (uint left = NEIGHBOURS; left > 0; --left) {
     out[left - 1] = neighbour[0];
@@ -279,12 +281,14 @@ __kernel SIM_GROUP void anchor_search(__global const real* queries,
   nearest[query] = out[0];
 }
 
-/// Distance of each visible particle to its nearest candidate; the gradient goes to the particle alone. At the
-/// candidate itself there is none, nor to a candidate that relocation has taken to another frame.
-/// in  keys[n]: 0xffffffff for a culled particle; candidates[n][K]; choose: whether the nearest is found anew;
-///     actor_of, target_actor_of as in anchor_search
-/// io  nearest[n]; grads[rows][stride]: weight times the unit vector away from it is added to the means'
-/// out sums[work-items][2]: sum of distances in m, and of how many
+/// Adds the anchoring loss: the distance of each visible particle to its nearest candidate. Only the particle
+/// gets a gradient; it is 0 at the candidate itself and for a candidate that relocation has moved to another
+/// frame.
+/// in  keys[n]: 0xffffffff for a culled particle; candidates[n][K]; choose: whether to select the nearest
+///     candidate again; actor_of, target_actor_of as in anchor_search
+/// io  nearest[n]; grads[rows][stride]: weight times the unit vector away from the candidate is added to the
+/// means' rows
+/// out sums[work-items][2]: sum of distances in m, and their number
 __kernel void anchor_loss(const uint n,
                           const uint chunk,
                           __global const uint* keys,

@@ -1,23 +1,25 @@
-// bin.cl - visible particles -> tile pairs -> tile ranges. Launcher: host/device/render/frame/bin.cpp
-// Every work-item owns `chunk` consecutive elements: few work-items with long loops suit CPUs, many with
-// short ones, in groups of LS, GPUs. All orders are fixed by the input, none by scheduling.
+// bin.cl - visible particles -> tile-Gaussian pairs -> tile ranges. Launcher: host/device/render/frame/bin.cpp
+// Every work-item owns `chunk` consecutive elements: CPUs run few work-items with long loops, GPUs many with
+// short loops in groups of LS. All orders depend on the input only, not on scheduling.
 #include "math/lanes.h"
 #include "shared/cluster.h"
 #include "shared/layout.h"
 
-/// Where the elements of i's cluster end, of those before `last`.
+/// Returns the end of the cluster that contains element i, at most `last`.
 FN uint cluster_end(uint i, uint last) { return min((i / SIM_CLUSTER + 1) * SIM_CLUSTER, last); }
 
-/// What is to be added to elements of i's cluster to know where their particles are.
+/// Returns the offset from elements of i's cluster to their particles.
 FN uint cluster_shift(uint paged, __global const uint* cluster_at, uint i) {
   const uint cluster = i / SIM_CLUSTER;
   return paged ? (cluster_at[cluster] - cluster) * SIM_CLUSTER : 0;
 }
 
-/// in  keys[n]; live[clusters]: 0 where all keys of a cluster are those of culled particles
-///     footprints[n]; with `paged` cluster_at[clusters] as project.cl takes it: keys and footprints lie by particle
-/// out counts[2][work-items]: visible particles of each chunk, and their tile pairs, 0xffffffff if these don't fit
-///     32 bits: both sums are known before anything is sorted.
+/// Counts visible particles and their pairs.
+/// in  keys[n]; live[clusters]: 0 if all particles of a cluster are culled
+///     footprints[n]; with `paged` cluster_at[clusters] as in project.cl: keys and footprints are then indexed
+///         by particle
+/// out counts[2][work-items]: visible particles of each chunk, and their pairs, 0xffffffff if the pairs exceed
+///     32 bits, so that both sums are known before sorting
 __kernel SIM_GROUP void visible_count(__global const uint* keys,
                                       __global const uint* live,
                                       __global const uint* cluster_at,
@@ -44,8 +46,9 @@ __kernel SIM_GROUP void visible_count(__global const uint* keys,
   counts[get_global_size(0) + get_global_id(0)] = (uint)min(pairs, (ulong)0xffffffffu);
 }
 
+/// Writes the visible particles in frame order.
 /// in  offsets[work-items]: exclusive prefix sum of counts
-/// out visible_keys, visible[M]: range keys of the visible particles and where they are, in the order of the frame
+/// out visible_keys, visible[M]: range keys and indices of the visible particles
 __kernel SIM_GROUP void visible_write(__global const uint* keys,
                                       __global const uint* live,
                                       __global const uint* cluster_at,
@@ -71,8 +74,9 @@ __kernel SIM_GROUP void visible_write(__global const uint* keys,
   }
 }
 
+/// Counts the pairs of each chunk of sorted particles.
 /// in  order[M]: visible particles by range
-/// out counts[work-items]: tile pairs of each chunk; the sum of all fits 32 bits
+/// out counts[work-items]: pairs of each chunk; the total fits 32 bits
 __kernel SIM_GROUP void pair_count(__global const uint* order,
                                        const uint m,
                                        const uint chunk,
@@ -90,7 +94,8 @@ __kernel SIM_GROUP void pair_count(__global const uint* order,
 
 /// Writes the pairs of each particle, nearest particle first.
 /// in  tile_rows[tiles_y + 1]: first sensor row of each tile row
-/// out tile[K]; payload[K]: particle | first slot row << 24 | last slot row << 28, of blocks those in two corners
+/// out tile[K]; payload[K]: particle | first ray block << 24 | last ray block << 28; for cameras the blocks in
+///     two opposite corners
 __kernel SIM_GROUP void pair_emit(const FrameParams frame,
                                       __global const uint* order,
                                       const uint m,
@@ -127,7 +132,7 @@ __kernel SIM_GROUP void pair_emit(const FrameParams frame,
           ++place;
         }
         if (!blocks || place == first_place) continue;
-        // Of the first and the last tile not all columns of blocks.
+        // The first and the last tile contain only part of the block columns.
         payload[first_place] += SIM_FIRST_IN_TILE(columns) << SIM_PARTICLE_BITS;
         payload[place - 1] -= (SIM_TILE_BLOCKS - 1 - SIM_LAST_IN_TILE(columns)) << (SIM_PARTICLE_BITS + 4);
       }
@@ -135,19 +140,20 @@ __kernel SIM_GROUP void pair_emit(const FrameParams frame,
   }
 }
 
+/// Finds the pairs of each tile.
 /// in  tile[K]: sorted
-/// out first[tiles + 1]: pairs of tile t are [first[t], first[t+1])
+/// out first[tiles + 1]: tile t has the pairs [first[t], first[t+1])
 __kernel SIM_GROUP void tile_ranges(
     __global const uint* tile, const uint k, const uint chunk, const uint tiles, __global uint* first) {
   const uint begin = min((uint)get_global_id(0) * chunk, k);
   const uint end = min(begin + chunk, k);
-  // The work-item that owns pair i opens every tile after that of pair i-1 up to its own.
+  // The work-item of pair i writes the starts of all tiles after that of pair i-1 up to its own.
   for (uint i = begin; i < end; ++i) {
     const uint here = tile[i];
     const uint from = i == 0 ? 0 : tile[i - 1] + 1;
     for (uint t = from; t <= here; ++t) first[t] = i;
   }
-  // The last pair's owner opens those that follow it; of none, the first work-item opens all.
+  // The owner of the last pair writes the remaining starts; without pairs the first work-item writes all.
   if (k == 0 ? get_global_id(0) == 0 : begin < end && end == k) {
     const uint from = k == 0 ? 0 : tile[k - 1] + 1;
     for (uint t = from; t <= tiles; ++t) first[t] = k;

@@ -1,8 +1,9 @@
-// color_grid.cl - a picture through its bilateral grid. Launcher: host/device/render/frame/color_grid.cpp
+// color_grid.cl - applies a bilateral grid to a picture. Launcher: host/device/render/frame/color_grid.cpp
 #include "math/color_grid.h"
 #include "shared/layout.h"
 
-/// One pixel per work-item: the affine transform of its place and luminance (METHOD section 9).
+/// Applies the affine transform for a pixel's position and luminance (METHOD section 9). One pixel per
+/// work-item.
 /// in  grid[GRID_Y][GRID_X][GRID_Z][16], from `first` on; out[6][slots]
 /// out picture[3][slots]
 __kernel void color_grid(const FrameParams frame,
@@ -16,7 +17,7 @@ __kernel void color_grid(const FrameParams frame,
   const uint s = frame.slots;
   if (i >= s) return;
   const uint tile = i / SIM_TILE_RAYS, inside = i % SIM_TILE_RAYS;
-  // Slots beyond the picture have no pixel; the nearest one's transform does them no harm.
+  // Slots outside the picture have no pixel; applying the nearest pixel's transform to them is harmless.
   const uint block = inside / SIM_RAY_BLOCK, place = inside % SIM_RAY_BLOCK;
   const uint column = block % SIM_TILE_BLOCKS * SIM_BLOCK_SIDE + place % SIM_BLOCK_SIDE;
   const uint row = block / SIM_TILE_BLOCKS * SIM_BLOCK_SIDE + place / SIM_BLOCK_SIDE;

@@ -1,21 +1,21 @@
-// color_grid_bwd.cl - gradients of a bilateral grid and of its picture. Launcher: host/device/render/backward/color_grid_bwd.cpp
+// color_grid_bwd.cl - gradients of a bilateral grid and of its input picture. Launcher: host/device/render/backward/color_grid_bwd.cpp
 #include "math/color_grid.h"
 #include "shared/layout.h"
 
-/// What a pixel gives the vertices about it, before their weights.
+/// Returns the gradient of a pixel for the vertices around it, without interpolation weights.
 FN Vertex pixel_vertex(const real* rgb, const real* g) {
   const REAL_VECTOR(4) colour = (REAL_VECTOR(4))(rgb[0], rgb[1], rgb[2], R(1.0));
   return (Vertex)(g[0] * colour, g[1] * colour, g[2] * colour, (REAL_VECTOR(4))(R(0.0)));
 }
 
-// Levels that a work-item of color_grid_rows() sums up, 1 or GRID_Z: all at once would not fit into a GPU's registers,
-// and one by one a CPU looks GRID_Z times at each pixel.
+// Levels summed by a work-item of color_grid_rows(): 1, or GRID_Z. All levels at once exceed a GPU's registers;
+// one by one a CPU reads each pixel GRID_Z times.
 #ifndef GRID_LEVELS
 #define GRID_LEVELS 1
 #endif
 
-/// A work-item takes the pixels of one row y in one column cx of cells, and sums what the two vertices of each of its
-/// levels get there, x weights applied, y weights not yet.
+/// Sums gradients over the pixels of one picture row y in one column cx of grid cells, for the two vertices of
+/// each level; x weights are applied, y weights are not. One (y, cx) per work-item, GRID_LEVELS levels.
 /// in  out[6][slots]; grad_out[3][slots]: dL/d(picture)
 /// out partial[height][GRID_X - 1][2][GRID_Z][16]
 __kernel void color_grid_rows(const FrameParams frame,
@@ -43,7 +43,7 @@ __kernel void color_grid_rows(const FrameParams frame,
     const real g[3] = {grad_out[i], grad_out[s + i], grad_out[2 * s + i]};
     const Vertex vertex = pixel_vertex(rgb, g);
     SIM_EACH(k, 2) {
-      const uint level = low + k - z;  // below z: far beyond
+      const uint level = low + k - z;  // below z: out of range
       if (level >= GRID_LEVELS) continue;
       const Vertex part = vertex * (k == 0 ? R(1.0) - fz : fz);
       left[level] += (R(1.0) - fx) * part;
@@ -57,7 +57,7 @@ __kernel void color_grid_rows(const FrameParams frame,
   }
 }
 
-/// One pixel per work-item, once color_grid_rows() is done.
+/// Backpropagates to the input picture, after color_grid_rows(). One pixel per work-item.
 /// in  as color_grid
 /// out grad_out[3][slots]: dL/d(colours before the grid), in place
 __kernel void color_grid_pixels(const FrameParams frame,
@@ -88,8 +88,8 @@ __kernel void color_grid_pixels(const FrameParams frame,
   grad_out[2 * s + i] = before.s2;
 }
 
-/// One vertex per work-item: sums its rows, then adds the gradients of tv_scale x the squared differences of
-/// neighbours and of drift_scale x the squared difference to the identity.
+/// Sums the rows of a vertex, then adds the gradients of tv_scale times the squared differences to neighbours
+/// and drift_scale times the squared difference to the identity. One vertex per work-item.
 /// out grads[GRID_Y][GRID_X][GRID_Z][16]
 __kernel void color_grid_gather(const uint height,
                                 const uint first,

@@ -1,10 +1,10 @@
-// deform.cl - how far particles of actors that are not rigid are from where they belong. Launcher: host/device/render/frame/deform.cpp
+// deform.cl - offsets of particles of non-rigid actors. Launcher: host/device/render/frame/deform.cpp
 #include "math/deform.h"
 
-/// One particle of an actor per work-item.
-/// in  actor_list[count]; actor_of[N]; deform_at[1 + A]: where in deform_shapes an actor's is, 0xffffffff: it is rigid;
-///     deform_shapes as deform_cell() takes them; params[rows][stride]
-/// out deform_offset[3][stride] of the particles in the list, m in their actors' frames; 0 where rigid
+/// Interpolates the offset of one actor particle per work-item from its actor's deformation grid.
+/// in  actor_list[count]; actor_of[N]; deform_at[1 + A]: index of an actor's grid in deform_shapes, 0xffffffff
+///     if rigid; deform_shapes as in deform_cell(); params[rows][stride]
+/// out deform_offset[3][stride] of the listed particles, m in the actor's frame; 0 if rigid
 __kernel void deform(const uint count,
                      const uint stride,
                      __global const uint* actor_list,

@@ -1,10 +1,12 @@
-// deform_bwd.cl - gradients of nodes, and of particles through the grid that moves them. Launcher: host/device/render/backward/deform_bwd.cpp
+// deform_bwd.cl - gradients of deformation grids and of the particles they move. Launcher: host/device/render/backward/deform_bwd.cpp
 #include "math/deform.h"
 
-/// One work-item per (node of an actor, chunk of the actor's particles): sums in the order of the list.
-/// in  node_actor[nodes], node_number[nodes]: whose each node is, from 0, and which of its own; actor_list[L], actor_first[A+1];
-///     deform_at[1 + A], deform_shapes as in deform.cl; keys[N]: 0xffffffff for a culled particle; params and
-///     param_grads[rows][stride], the means' by where the particles are
+/// Sums node gradients. One work-item per (node of an actor, chunk of the actor's particles), in the order of
+/// the list.
+/// in  node_actor[nodes]: actor of each node, from 0; node_number[nodes]: index within the actor's grid;
+///     actor_list[L], actor_first[A+1]; deform_at[1 + A], deform_shapes as in deform.cl; keys[N]: 0xffffffff
+///     for a culled particle; params and param_grads[rows][stride], whose mean rows hold dL/d(deformed
+///     position)
 /// out partial[nodes][chunks][3]: dL/d(offset)
 __kernel void deform_node_sums(const uint nodes,
                                const uint chunks,
@@ -49,9 +51,10 @@ __kernel void deform_node_sums(const uint nodes,
   partial[3 * item + 2] = z;
 }
 
-/// One particle of an actor per work-item: what it gains by being moved otherwise elsewhere is added to its mean's gradient,
-/// which was that by where the particle is.
-/// in  as deform.cl; out param_grads[rows][stride]
+/// Adds to a mean's gradient, so far that of the deformed position, the part by which the offset depends on the
+/// mean. One particle of an actor per work-item.
+/// in  as deform.cl
+/// io  param_grads[rows][stride]
 __kernel void deform_means(const uint count,
                            const uint stride,
                            __global const uint* actor_list,

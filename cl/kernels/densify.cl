@@ -5,11 +5,12 @@
 #include "math/random.h"
 
 #define SIM_DEAD_SIGMA R(0.005)
-#define SIM_MAX_COPIES 51u  // the correction of opacity and scale is not followed beyond
+#define SIM_MAX_COPIES 51u  // upper limit of the opacity and scale correction
 
 FN real sigma_of(real logit) { return R(1.0) / (R(1.0) + exp(-logit)); }
 
-/// Error of each pixel: mean absolute difference of its channels, 0 where the truth is not known (below 0).
+/// Error of each pixel: mean absolute difference of its channels, 0 where the ground truth is unknown (below
+/// 0).
 /// in  picture[3][slots], truth[3][slots]; world_ray: a zero direction marks slots without a pixel
 __kernel void pixel_error(const uint slots,
                           __global const real* world_ray,
@@ -26,9 +27,10 @@ __kernel void pixel_error(const uint slots,
   error[i] = known && sum < R(1e30) ? sum * R(0.333333333333333333) : R(0.0);
 }
 
-/// Error of each LiDAR ray, in the proportions of the loss: distance (at most 1 m: what is further off is simply
-/// wrong), intensity, and the probability given to the wrong one of hit and drop.
-/// in  weight[3]; out[7][slots] of render; truth[2][slots] (range 0: no return, below 0: not known), world_ray
+/// Error of each LiDAR ray, weighted as in the loss: distance (at most 1 m), intensity, and the probability
+/// assigned to the wrong decision between hit and drop.
+/// in  weight[3]; out[7][slots] of render; truth[2][slots]: range (0: no return, below 0: unknown), intensity;
+///     world_ray
 __kernel void beam_error(const uint slots,
                          __global const real* weight,
                          __global const real* world_ray,
@@ -47,13 +49,13 @@ __kernel void beam_error(const uint slots,
   if (returned) {
     const real opacity = R(1.0) - out[SIM_O_TRANSMITTANCE * slots + i];
     const real off = fabs(out[SIM_O_DISTANCE * slots + i] / opacity - range);
-    sum += weight[0] * (off < R(1.0) ? off : R(1.0));  // without opacity: not a number, and 1
+    sum += weight[0] * (off < R(1.0) ? off : R(1.0));  // without opacity the distance is NaN and counts as 1
     sum += weight[1] * fabs(out[i] - truth[slots + i]);
   }
   error[i] = fired && sum < R(1e30) ? sum : R(0.0);
 }
 
-/// Adds the errors of a particle's pairs, which render_bwd has weighted by blending, in the order of its slots.
+/// Adds the errors of a particle's pairs, weighted by blending in render_bwd, in the order of its slots.
 __kernel void accumulate_error(const uint n,
                                __global const uint* keys,
                                __global const Footprint* footprints,
@@ -69,8 +71,8 @@ __kernel void accumulate_error(const uint n,
   accumulated[i] = sum;
 }
 
-/// The error that stands for a particle in the draw; below 0 for a dead one: nearly transparent, or with a
-/// parameter that is not a number.
+/// Returns a particle's weight in the draw; negative for a dead particle: nearly transparent, or with a
+/// non-finite parameter.
 FN real live_error(__global const real* params, uint stride, uint rows, uint i, real accumulated) {
   int sound = sigma_of(params[SIM_OPACITY * stride + i]) >= SIM_DEAD_SIGMA;
   for (uint row = 0; row < rows; ++row) sound = sound && fabs(params[row * stride + i]) < R(1e30);
@@ -78,7 +80,8 @@ FN real live_error(__global const real* params, uint stride, uint rows, uint i, 
   return accumulated > R(0.0) && accumulated < R(1e30) ? accumulated : R(0.0);
 }
 
-/// out dead[chunks]: dead particles of each chunk; sums[chunks]: errors of its live ones
+/// Counts dead particles and sums errors by chunk.
+/// out dead[chunks]: dead particles; sums[chunks]: errors of live particles
 __kernel void weigh_particles(const uint n,
                               const uint chunk,
                               const uint rows,
@@ -100,8 +103,9 @@ __kernel void weigh_particles(const uint n,
   sums[get_global_id(0)] = sum;
 }
 
-/// in  dead_before[chunks]: exclusive prefix sum; scale: so that weights add up to less than 2^32
-/// out targets[dead]: the dead in order; share[n]: whole-number weights of the draw
+/// Lists dead particles and quantises the draw's weights.
+/// in  dead_before[chunks]: exclusive prefix sum; scale: makes the weights sum to less than 2^32
+/// out targets[dead]: the dead particles in order; share[n]: integer weights
 __kernel void list_dead(const uint n,
                         const uint chunk,
                         const uint rows,
@@ -122,10 +126,11 @@ __kernel void list_dead(const uint n,
   }
 }
 
-/// Draws the source of each target, with probability share / total, by bisection of the running sum.
-/// in  running[n]: exclusive prefix sum of the shares, which add up to total > 0
-///     targets[listed], then come particles first_new, first_new + 1, ...
-/// out source[count]; copies[n], zero before: how often each was drawn (whole numbers: order does not matter)
+/// Draws the source of each target with probability share / total, by bisection of the running sum.
+/// in  running[n]: exclusive prefix sum of the shares, total > 0
+///     targets[listed], followed by the new particles first_new, first_new + 1, ...
+/// out source[count]; copies[n], zero before: number of draws of each particle (integers, so the order does not
+///     matter)
 __kernel void draw_sources(const uint count,
                            const uint listed,
                            const uint first_new,
@@ -144,7 +149,7 @@ __kernel void draw_sources(const uint count,
   if (i >= listed) targets[i] = first_new + i - listed;
   const Random4 random = philox(seed_low, seed_high, targets[i], iteration, RANDOM_SOURCE, set);
   const uint place = mul_hi(random.word[0], total);  // in [0, total)
-  uint low = 0, high = n - 1;                        // the last whose running sum is not above place
+  uint low = 0, high = n - 1;  // largest index whose running sum is at most `place`
   while (low < high) {
     const uint middle = low + (high - low + 1) / 2;
     if (running[middle] <= place)
@@ -156,9 +161,9 @@ __kernel void draw_sources(const uint count,
   atomic_inc(copies + low);
 }
 
-/// Opacity and scale of each of `count` particles in one place that together look like one of sigma: equal
-/// transmittance at the centre, equal integral across (equation 9 of the paper; its double sum is a single one by
-/// the hockey-stick identity).
+/// Opacity and scale factor of `count` coincident particles that together look like one of opacity sigma: equal
+/// transmittance at the centre and equal integral across (equation 9 of the paper; the hockey-stick identity
+/// reduces its double sum to a single one).
 FN void share_out(real sigma, uint count, real* each, real* scale) {
   const real copies = (real)min(count, SIM_MAX_COPIES);
   *each = R(1.0) - exp(log(R(1.0) - sigma) / copies);
@@ -170,9 +175,9 @@ FN void share_out(real sigma, uint count, real* each, real* scale) {
   *scale = sigma / sum;
 }
 
-/// Sources' parameters with the shared opacity and scale go to the targets, and then, in a second launch whose
-/// targets are the sources themselves, to those.
-/// in  copies[n] of draw_sources; a source's other copies are read by number from `source` (second launch: none)
+/// Copies the sources' parameters, with shared opacity and scale, to the targets. A second launch, whose
+/// targets are the sources, updates the sources.
+/// in  copies[n] of draw_sources; a source's copies are looked up in `source` (second launch: none)
 __kernel void copy_particles(const uint count,
                              const uint rows,
                              const uint stride,
@@ -199,7 +204,7 @@ __kernel void copy_particles(const uint count,
   }
 }
 
-/// Zeroes the rows of the targets and of all that were drawn: their optimiser starts anew.
+/// Zeroes the optimiser moments of the targets and of all sources.
 __kernel void clear_moments(const uint count,
                             const uint n,
                             const uint rows,
@@ -216,7 +221,7 @@ __kernel void clear_moments(const uint count,
   }
 }
 
-/// Targets take over the `width` words of their source (words[n][width]: anchors).
+/// Copies the `width` words of each source to its targets (words[n][width], for anchors).
 __kernel void copy_words(const uint count,
                          const uint width,
                          __global const uint* targets,
@@ -227,7 +232,8 @@ __kernel void copy_words(const uint count,
   for (uint k = 0; k < width; ++k) words[(ulong)targets[i] * width + k] = words[(ulong)source[i] * width + k];
 }
 
-/// Rows of `stride` copied to rows of new_stride; what is new is padding (as ParticleBuffers::upload) or 0.
+/// Copies rows of length `stride` to rows of length new_stride; new columns are padding (as in
+/// ParticleBuffers::upload) or 0.
 __kernel void widen_rows(const uint rows,
                          const uint n,
                          const uint stride,
@@ -246,9 +252,9 @@ __kernel void widen_rows(const uint rows,
   }
 }
 
-/// Moves the means of nearly transparent particles at random: by strength x gate(sigma) x covariance x normal
-/// numbers, gate = logistic(100 (0.005 - sigma)), strength in 1/m (noise times learning rate).
-/// in  keys[n]: particles that the frame culled stay
+/// Adds noise to the means of nearly transparent particles: strength x gate(sigma) x covariance x normal
+/// numbers, with gate = logistic(100 (0.005 - sigma)) and strength in 1/m (noise times learning rate).
+/// in  keys[n]: culled particles do not move
 __kernel void jitter_means(const uint n,
                            const uint stride,
                            const real strength,

@@ -1,10 +1,10 @@
-// environment.cl - the foreground over the environment texture. Launcher: host/device/render/frame/environment.cpp
+// environment.cl - composites a frame over the environment map. Launcher: host/device/render/frame/environment.cpp
 #include "math/environment.h"
 #include "shared/layout.h"
 #include "shared/sensor_constants.h"
 
-/// V slots per work-item. What a ray leaves is filled up with the texture where it points (METHOD section 9):
-/// out += T x texture(direction), bilinear. A ray that blending ended (T below the cut) shows nothing of it.
+/// Adds the environment seen through the remaining transmittance (METHOD section 9): out += T x
+/// texture(direction), bilinear. Rays that terminated early (T below the cut) get none. V slots per work-item.
 /// in  world_ray[3][slots]; texture[height][width][4]; out[6][slots] blended over black
 /// out out[3][slots]: features
 __kernel void environment(const FrameParams frame,

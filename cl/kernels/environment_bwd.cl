@@ -1,12 +1,12 @@
-// environment_bwd.cl - gradient of the environment texture. Launcher: host/device/render/backward/environment_bwd.cpp
+// environment_bwd.cl - gradient of the environment map. Launcher: host/device/render/backward/environment_bwd.cpp
 #include "math/environment.h"
 #include "shared/layout.h"
 #include "shared/sensor_constants.h"
 
-/// V slots per work-item. Particles need nothing of this: blending's replay takes what stands behind them
-/// from the stored features, which hold T x texture.
-/// out cell[slots]: texel up and left of where the ray points, width x height for rays that show nothing of
-///     the texture; slot[slots] its own number; fraction[2][slots]: weights of the texels right and below
+/// Finds the texture cell of each ray. V slots per work-item. Particles need no gradient from here: blending's
+/// replay takes the background from the stored features, which contain T x texture.
+/// out cell[slots]: texel at the upper left of the ray's direction, width x height for rays that see no
+///     texture; slot[slots]: its own index; fraction[2][slots]: weights of the texels to the right and below
 __kernel void environment_cells(const FrameParams frame,
                                 const uint width,
                                 const uint height,
@@ -58,9 +58,9 @@ FN REAL_VECTOR(4) cell_sum(uint s,
   return sum;
 }
 
-/// One texel per work-item gathers from the four cells about it, in slot order, and adds the gradient of the
-/// total variation: tv_scale x the squared differences of neighbours, each over its share of the sphere
-/// (sideways 1 / cos(elevation), up and down cos).
+/// Gathers the gradient of one texel per work-item from its four cells in slot order, and adds the gradient of
+/// the total variation: tv_scale x the squared differences of neighbours, each divided by its solid angle
+/// (horizontally 1 / cos(elevation), vertically cos).
 /// in  first[width x height + 2], slot[slots] sorted by cell; grad_out[5][slots] of the features
 /// out grads[height][width][4]
 __kernel void environment_gather(const FrameParams frame,

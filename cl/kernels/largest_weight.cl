@@ -1,4 +1,4 @@
-// largest_weight.cl - the largest weight of each particle in any ray. Launcher: host/device/render/train/largest_weight.cpp
+// largest_weight.cl - the largest blending weight of each particle over all rays. Launcher: host/device/render/train/largest_weight.cpp
 #include "math/tile_walk.h"
 
 struct Blending {
@@ -21,15 +21,14 @@ FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Ble
     terminate_ray(AND(b->transmittance[j] < tile->t_cut, response.inside), j, &b->ray[j], alive);
   }
   const uint bits = as_uint((float)HMAX(most));
-  // Not read beforehand: others write it meanwhile.
+  // Not compared first: other work-items write the value at the same time.
   if (bits > 0) atomic_max(b->largest + at->particle, bits);
 }
 
-/// Blends as render does, and keeps of each particle the largest weight that it has had in a ray. Weights are
-/// at least 0, so that their bits rise with them: the maximum is one of whole numbers, whose order does not
-/// matter.
+/// Blends as render does and keeps each particle's largest weight in any ray. Bits of floats >= 0 increase with
+/// their value, so the maximum is an integer maximum, which does not depend on order.
 /// in  as render
-/// out largest[N]: bits of a float each, not below what they were before
+/// out largest[N]: bits of a float each, at least the previous value
 __kernel SIM_GROUP void largest_weight(const FrameParams frame,
                                        __global const SensorConstants* sensor,
                                        __global const real* world_ray,
@@ -42,7 +41,7 @@ __kernel SIM_GROUP void largest_weight(const FrameParams frame,
   const Tile tile = tile_at(get_group_id(0), sensor, ray_u, first, payload, records, motions);
   struct Blending b;
   b.largest = largest;
-  uint alive = 0;  // a bit per vector that still has a ray
+  uint alive = 0;  // one bit per vector that still has an active ray
   SIM_EACH_VECTOR
   for (int j = 0; j < NR; ++j) {
     load_ray(world_ray, ray_u, frame.slots, tile.base + SIM_VECTOR_SLOT(j, tile.lid), &b.ray[j]);

@@ -1,8 +1,8 @@
-// lidar_tiling.cl - a LiDAR's rays -> tiles of few rays each (procedure 1). Launcher: host/device/render/rays/lidar_tiling.cpp
-// Runs once per sensor. A value's bin is floor((value - first) * scale), of
-// `bins`; rows go from top to bottom, bins and elevation tiles from the lowest value up, tile rows from top
-// to bottom again. Integers decide: the same rays give the same tiles on every device that rounds (value -
-// first) * scale alike.
+// lidar_tiling.cl - assigns a LiDAR's rays to tiles of few rays each (procedure 1). Launcher: host/device/render/rays/lidar_tiling.cpp
+// Runs once per sensor. The bin of a value is floor((value - first) * scale), limited to `bins`. Rows run from
+// top to bottom, bins and elevation tiles from the lowest value up, tile rows from top to bottom. All decisions
+// are made on integers: the same rays give the same tiles on every device that rounds (value - first) * scale
+// alike.
 #include "math/lanes.h"
 #include "shared/layout.h"
 
@@ -11,8 +11,9 @@ FN uint tiling_bin(float value, float first, float scale, uint bins) {
   return (uint)max(min(bin, (float)bins - 1.0f), 0.0f);
 }
 
-/// in  values[n], each standing for `weight` rays; group_of_bin[bins]
-/// out counts[groups]: rays of each group added
+/// Adds up a histogram.
+/// in  values[n], each representing `weight` rays; group_of_bin[bins]
+/// out counts[groups]: rays of each group are added
 __kernel void tiling_histogram(__global const float* values,
                                const uint n,
                                const uint weight,
@@ -25,10 +26,10 @@ __kernel void tiling_histogram(__global const float* values,
   if (i < n) atomic_add(counts + group_of_bin[tiling_bin(values[i], first, scale, bins)], weight);
 }
 
-/// Cuts bins into groups of equally many rays: after the bin in which the cumulative share of the rays, times
-/// `wanted`, reaches another integer. Several integers in one bin make one boundary. One work-item.
-/// in  before[bins]: rays of all lower bins; widest: bins of a group, at most
-/// out group_of_bin[bins], from 0 without a gap; groups[1]: their number
+/// Cuts bins into groups with equal numbers of rays: after each bin where the cumulative share of rays times
+/// `wanted` passes an integer. Several integers in one bin give one boundary. One work-item.
+/// in  before[bins]: rays of all lower bins; widest: largest number of bins in a group
+/// out group_of_bin[bins], consecutive from 0; groups[1]: number of groups
 __kernel void tiling_boundaries(__global const uint* before,
                                 const uint rays,
                                 const uint bins,
@@ -52,6 +53,7 @@ __kernel void tiling_boundaries(__global const uint* before,
   groups[0] = group + 1;
 }
 
+/// Finds the elevation group of each row.
 /// in  row_elevation[rows]
 /// out group_of_row[rows]
 __kernel void tiling_row_groups(__global const float* row_elevation,
@@ -65,7 +67,7 @@ __kernel void tiling_row_groups(__global const float* row_elevation,
   if (row < rows) group_of_row[row] = group_of_bin[tiling_bin(row_elevation[row], first, scale, bins)];
 }
 
-/// Sort keys that put the highest elevation first.
+/// Sort keys with the highest elevation first.
 __kernel void tiling_keys(__global const float* elevation,
                           const uint n,
                           __global uint* keys,
@@ -108,7 +110,7 @@ __kernel void tiling_list_rows(__global const uint* order,
     const uint ray = order[i];
     const uint own = group_of_bin[tiling_bin(elevation[ray], first, scale, bins)];
     const uint c = column_of_bin[tiling_bin(x[ray], x_first, x_scale, x_bins)];
-    // used[c] counts rays of row used[columns + c], from 1, in tile column c.
+    // used[c] counts the rays of row used[columns + c] (from 1) in tile column c.
     const uint full = used[columns + c] == row && used[c] == width;
     if (i == 0 || own != group || full) {
       if (row == most_rows) {
@@ -126,7 +128,8 @@ __kernel void tiling_list_rows(__global const uint* order,
   rows[0] = row;
 }
 
-/// Tile rows: the rows of each elevation group, a group of more than `most` in even parts. One work-item.
+/// Cuts the rows of each elevation group into tile rows; a group with more than `most` rows is divided evenly.
+/// One work-item.
 /// in  group_of_row[rows]
 /// out tile_rows[tile rows + 1]: first row of each; tile_row_of_row[rows]
 ///     found[3]: number of tile rows; rows of the largest; rows of the smallest
@@ -157,7 +160,7 @@ __kernel void tiling_tile_rows(__global const uint* group_of_row,
   found[2] = smallest;
 }
 
-/// Computes every ray's slot: from its tile, from the slots of its row in the tile, and from its position among the
+/// Computes the slot of each ray from its tile, the slots of its row in the tile, and its position among the
 /// row's rays in the tile. One work-item per row.
 /// in  x[n]; order[n]: rays by row; row_starts[rows + 1]: first ray of each row, as an index into `order`
 ///     column_of_bin[bins]; tile_rows, tile_row_of_row of tiling_tile_rows; width: slots of a row in a tile
@@ -195,9 +198,9 @@ __kernel void tiling_slots(__global const float* x,
   fullest[row] = most;
 }
 
-/// One work-item per tile row.
+/// Finds the fullest tile of each tile row. One work-item per tile row.
 /// in  used[rows][columns] of tiling_slots; tile_rows[tiles + 1]
-/// out fullest[tiles]: rays of the fullest tile of each tile row
+/// out fullest[tiles]: number of rays
 __kernel void tiling_fullest_tiles(__global const uint* used,
                                    __global const uint* tile_rows,
                                    const uint tiles,

@@ -3,17 +3,18 @@
 #include "math/group.h"
 #include "shared/layout.h"
 
-/// LS work-items per tile. With d = rendered - truth, L = sum over pixels and channels of
-/// absolute_scale |d| + squared_scale d^2: of what a static scene can't estimate (leaves, cars that pass) the
-/// first learns the median, the second the mean.
-/// A pixel whose truth is negative is not known and has no part in it. Where sky_scale > 0, L has
-/// sky_scale max(0, (1 - T) - D sky_per_m) of each pixel that shows sky: of a particle its weight times how much nearer
-/// it is than sky, as long as that sums up to anything. Without that end what is farther gains by every growth, and
-/// steps of Adam, which are as large for faint gradients, grow the far shell until it surrounds the camera.
-/// in  out[5][slots] as rendered; picture[3][slots]; truth[3][slots], where sky_scale > 0 [4][slots], the last 1 for
-///     sky, 0 for others;
-///     world_ray[3][slots]: a zero direction marks slots without a pixel
-/// out grad_out[5][slots]; sums[tiles][2]: sum of |difference| and of its square
+/// LS work-items per tile. With d = rendered - truth, L = sum over pixels and channels of absolute_scale |d| +
+/// squared_scale d^2: where a static scene cannot explain the pictures (leaves, passing cars) the first term
+/// estimates the median, the second the mean.
+/// Pixels with negative truth are unknown and do not count. Where sky_scale > 0, L also has sky_scale max(0, (1
+/// - T) - D sky_per_m) for each sky pixel: a particle's weight times its relative nearness to the sky distance,
+/// as long as the sum is positive. Without this limit distant particles would always gain by growing, and
+/// Adam's steps, which are as large for faint gradients, would grow the far shell until it surrounds the
+/// camera.
+/// in  out[5][slots] as rendered; picture[3][slots]; truth[3][slots], where sky_scale > 0 [4][slots] with 1 for
+///     sky and 0 for other pixels in the last; world_ray[3][slots]: a zero direction marks slots without a
+///     pixel
+/// out grad_out[5][slots]; sums[tiles][2]: sum of |d| and of d^2
 __kernel SIM_GROUP void loss_image(const FrameParams frame,
                                    const real absolute_scale,
                                    const real squared_scale,

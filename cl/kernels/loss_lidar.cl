@@ -4,19 +4,19 @@
 #include "shared/layout.h"
 
 #define SIM_MIN_OPACITY R(1e-3)
-// Where a returned ray's distance weighs 1, and up to where rays weigh more the shorter they are.
+// Distance at which a returned ray's weight is 1, and below which the weight stops growing.
 #define SIM_WEIGHS_ONE_M R(10.0)
 #define SIM_WEIGHS_MOST_M R(1.0)
 #define SIM_DROP_PARAMETERS (sizeof(DropConstants) / sizeof(real))
 
-// GPUs keep a ray's sums in registers, which have no index.
+// GPUs keep a ray's sums in registers, which cannot be indexed.
 #if LS > 1
 #define SIM_EACH_SUM _Pragma("unroll")
 #else
 #define SIM_EACH_SUM
 #endif
 
-/// What a tile's rays say of the drop function: sums of dL/d(its parameters), in their order.
+/// Sums of dL/d(parameters of the ray-drop function) over the rays of a tile, in parameter order.
 typedef struct {
   F skip[SIM_DROP_INPUTS];
   F bias;
@@ -24,8 +24,8 @@ typedef struct {
   F out[SIM_DROP_HIDDEN];
 } DropSums;
 
-/// Adds the gradients of the parameters for slope = dL/d(logit) at the inputs x.
-/// out by_margin, by_transmittance: d(logit) / d(drop logit less hit logit), d(T)
+/// Adds the parameter gradients for slope = dL/d(logit) at the inputs x.
+/// out by_margin, by_transmittance: d(logit) / d(drop logit minus hit logit), d(logit) / dT
 FN void drop_backward(
     __global const DropConstants* f, const F* x, F slope, DropSums* sums, F* by_margin, F* by_transmittance) {
   F d0 = (F)f->skip[0], d1 = (F)f->skip[1];
@@ -47,17 +47,17 @@ FN void drop_backward(
   *by_transmittance = DROP_SCALE * d1;
 }
 
-/// LS work-items per tile. With O = 1 - T, d^ = (sum of w tau) / O and p of the drop function:
-///   distance:  mean over returned rays of |d^ - d| sqrt(10 m / max(d, 1 m)), where O > 0.001 (elsewhere nothing has a
-///              distance)
+/// LS work-items per tile. With O = 1 - T, d^ = (sum of w tau) / O, and p the probability of the ray-drop
+/// function:
+///   distance:  mean over returned rays of |d^ - d| sqrt(10 m / max(d, 1 m)), where O > 0.001
 ///   intensity: mean over returned rays of |feature0 - intensity|
 ///   drop:      mean over all rays of the cross entropy of p
-/// scale[4]: weight of each term over its number of rays; of the last, of what particles get and of what the
-/// function's parameters get.
-/// in  out[7][slots]; truth[2][slots]: range (m, 0: no return, below 0: not known) and intensity;
-///     world_ray: zero marks no ray
-/// out grad_out[5][slots]; sums[tiles][4 + SIM_DROP_PARAMETERS]: distance, |intensity error|, cross entropy, wrong
-///     decisions, dL/d(parameters of the drop function)
+/// scale[4]: weight of each term divided by its number of rays; for drops separately for the particles and for
+/// the function's parameters.
+/// in  out[7][slots]; truth[2][slots]: range (m, 0: no return, below 0: unknown) and intensity; world_ray: a
+///     zero direction marks slots without a ray
+/// out grad_out[5][slots]; sums[tiles][4 + SIM_DROP_PARAMETERS]: distance, |intensity error|, cross entropy,
+///     wrong decisions, dL/d(parameters of the ray-drop function)
 __kernel SIM_GROUP void loss_lidar(const FrameParams frame,
                                    __global const SensorConstants* sensor,
                                    __global const real* scale,
@@ -86,7 +86,7 @@ __kernel SIM_GROUP void loss_lidar(const FrameParams frame,
     STV(grad_out + i, sign * scale[1]);
     sum_intensity += fabs(intensity);
 
-    // Ray drop: cross entropy log(1 + exp(m)), m > 0 when the wrong decision is ahead.
+    // Ray drop: cross entropy log(1 + exp(m)), where m > 0 means a wrong decision.
     const F t = LDV(out + SIM_O_TRANSMITTANCE * s + i);
     const F distance_sum = LDV(out + SIM_O_DISTANCE * s + i);
     F met[SIM_DROP_INPUTS];
@@ -112,7 +112,8 @@ __kernel SIM_GROUP void loss_lidar(const FrameParams frame,
     const F inv_opacity = R(1.0) / SEL(placed, opacity, (F)R(1.0));
     const F distance = distance_sum * inv_opacity;
     const F error = SEL(placed, distance - range, (F)R(0.0));
-    // Metres alone leave thin things near at hand to what is far behind them: a leaf that two rays of five meet.
+    // Equal weights per metre would neglect thin near objects, such as a leaf hit by two rays in five, against
+    // the background.
     const F weight = sqrt(SIM_WEIGHS_ONE_M / VMAX(range, (F)SIM_WEIGHS_MOST_M));
     sign = SEL(error > R(0.0), weight, (F)R(0.0));
     sign = SEL(error < R(0.0), -weight, sign) * scale[0];

@@ -3,13 +3,12 @@
 #include "math/pixel_row.h"
 #include "shared/layout.h"
 
-// One channel at a time, 1 - SSIM summed over the known pixels (Wang et al. 2004, K1 = 0.01, K2 = 0.03,
-// values in [0, 1]). The 11 x 11 Gaussian window is separable. Only known pixels count in it, and it is
-// scaled to sum to 1 over them: borders and masked pixels need no rule of their own, and inside the picture
-// the values are those of optim/base/metrics.hpp.
-//
-// Planes hold the picture row by row, with a margin of zeros that windows may reach into; they stay zero, as
-// nothing writes them. A work-item takes V columns of one tile, 16 rows.
+// 1 - SSIM summed over known pixels, one channel at a time (Wang et al. 2004, K1 = 0.01, K2 = 0.03, values in
+// [0, 1]). The 11 x 11 Gaussian window is separable, and its weights are normalised over the known pixels in
+// it: borders and masked pixels need no special rule, and inside the picture the values equal those of
+// optim/base/metrics.hpp.
+// Planes store the picture row by row, with a margin of zeros for the windows; no kernel writes the margin. A
+// work-item processes V columns of one tile, 16 rows.
 #define SIM_SSIM_RADIUS 5
 #define SIM_SSIM_TAPS (2 * SIM_SSIM_RADIUS + 1)
 #define SIM_SSIM_MARGIN_X 16
@@ -17,13 +16,13 @@
 #define SIM_SSIM_C2 R(9e-4)
 
 typedef struct {
-  uint slot;    // of the strip's first pixel; the next rows' are SIM_SLOT_OF_ROW further
-  uint pixel;   // of the same, in a plane
-  uint stride;  // from one row of a plane to the next
-  uint size;    // of a plane
+  uint slot;  // of the strip's first pixel; the next rows' slots are SIM_SLOT_OF_ROW further
+  uint pixel;  // of the strip's first pixel, in a plane
+  uint stride;  // of the rows of a plane
+  uint size;  // pixels of a plane
 } Strip;
 
-/// False for work-items beyond the last strip.
+/// Returns false for work-items beyond the last strip.
 FN int find_strip(const FrameParams* frame, Strip* strip) {
   const uint per_tile = SIM_TILE_SIDE / V;
   const uint tile = get_global_id(0) / per_tile;
@@ -36,12 +35,12 @@ FN int find_strip(const FrameParams* frame, Strip* strip) {
   return tile < frame->tiles_x * frame->tiles_y;
 }
 
-/// Once for all rows, so that weights stay in registers.
+/// Loads the weights once for all rows, so that they stay in registers.
 FN void load_taps(__global const real* window, real* taps) {
   SIM_EACH(k, SIM_SSIM_TAPS) taps[k] = window[k];
 }
 
-/// Window sum of a plane about V pixels, over pixels `step` apart.
+/// Window sum of a plane around V pixels, over pixels `step` apart.
 FN F window_sum(__global const real* centre, const real* taps, uint step) {
   __global const real* at = centre - SIM_SSIM_RADIUS * step;
   F sum = (F)R(0.0);
@@ -49,8 +48,9 @@ FN F window_sum(__global const real* centre, const real* taps, uint step) {
   return sum;
 }
 
-/// in  world_ray[3][slots], picture[3][slots], truth[3][slots] as loss_image
-/// out planes[3]: 1 where the pixel is known, else 0; times that, picture and truth of `channel`
+/// Writes the input planes of one channel.
+/// in  world_ray[3][slots], picture[3][slots], truth[3][slots] as in loss_image
+/// out planes[3]: 1 where the pixel is known, else 0; picture and truth of `channel` times that
 __kernel void ssim_planes(const FrameParams frame,
                           const uint channel,
                           __global const real* world_ray,
@@ -72,8 +72,9 @@ __kernel void ssim_planes(const FrameParams frame,
   }
 }
 
+/// Sums moments along rows.
 /// in  planes[3]; window[11]
-/// out moments[6]: window sums along the rows of known, x, y, x^2, y^2, x y
+/// out moments[6]: window sums along rows of known, x, y, x^2, y^2, x y
 __kernel void ssim_moments(const FrameParams frame,
                            __global const real* window,
                            __global const real* planes,
@@ -102,9 +103,10 @@ __kernel void ssim_moments(const FrameParams frame,
   }
 }
 
+/// Sums moments along columns, and computes SSIM and its derivatives.
 /// in  planes[3], moments[6]; scale: dL/d(1 - SSIM) of every pixel
-/// out slopes[3]: dL/d(window sum) of x, x^2 and x y, 0 where the pixel is not known;
-///     sums[3][strips]: of 1 - SSIM, this channel's
+/// out slopes[3]: dL/d(window sum) of x, x^2 and x y, 0 where the pixel is unknown; sums[3][strips]: 1 - SSIM
+///     of this channel
 __kernel void ssim_windows(const FrameParams frame,
                            const uint channel,
                            const real scale,
@@ -145,7 +147,7 @@ __kernel void ssim_windows(const FrameParams frame,
   sums[channel * strips + get_global_id(0)] = HSUM(total);
 }
 
-/// slopes[3] -> slope_rows[3]: window sums along the rows.
+/// Window sums of slopes[3] along rows -> slope_rows[3].
 __kernel void ssim_slope_rows(const FrameParams frame,
                               __global const real* window,
                               __global const real* slopes,
@@ -163,8 +165,9 @@ __kernel void ssim_slope_rows(const FrameParams frame,
   }
 }
 
+/// Adds this term's gradient to `channel`.
 /// in  planes[3], slope_rows[3]
-/// out grad_picture[3][slots]: this term's gradient is added to `channel`
+/// out grad_picture[3][slots]
 __kernel void ssim_gradient(const FrameParams frame,
                             const uint channel,
                             __global const real* window,

@@ -1,30 +1,30 @@
-// off_trajectory.cl - what a recorded picture shows of the surfaces that are seen from beside it. Launcher: host/device/render/train/off_trajectory.cpp
+// off_trajectory.cl - colours of a recorded picture for surfaces seen in an off-trajectory view. Launcher: host/device/render/train/off_trajectory.cpp
 #include "math/elementary.h"
 #include "math/shutter.h"
 #include "shared/layout.h"
 
-#define SIM_BESIDE_OPAQUE R(0.2)  // light that goes on behind a surface, at most: mixed is nobody's distance
-#define SIM_BESIDE_OPEN R(0.95)   // light that goes on where nothing stands, at least
-#define SIM_BESIDE_SAME R(0.03)   // of the distance: what stands that near to a surface is part of it
-// Where no laser met anything: from how near what stands there may be, m, at how many distances the picture is asked,
-// evenly by 1/distance, and how far channels may differ there.
-#define SIM_BESIDE_NEAREST R(4.0)
-#define SIM_BESIDE_FARTHEST R(1e5)
-#define SIM_BESIDE_LOOKS 16
-#define SIM_BESIDE_ALIKE R(0.04)
+#define SIM_OFF_TRAJECTORY_OPAQUE R(0.2)  // largest transmittance behind a single surface; above it the distance is a mixture
+#define SIM_OFF_TRAJECTORY_OPEN R(0.95)  // smallest transmittance of an empty ray
+#define SIM_OFF_TRAJECTORY_SAME R(0.03)  // relative distance within which points belong to the same surface
+// Rays without LiDAR surface: smallest distance in m of a hidden surface, number of distances (uniform in
+// 1/distance) at which the picture is sampled, and the largest difference between their channels.
+#define SIM_OFF_TRAJECTORY_NEAREST R(4.0)
+#define SIM_OFF_TRAJECTORY_FARTHEST R(1e5)
+#define SIM_OFF_TRAJECTORY_LOOKS 16
+#define SIM_OFF_TRAJECTORY_ALIKE R(0.04)
 
-/// m; negative where no surface stands alone in the way.
+/// Returns the distance in m of a single opaque surface; negative if there is none.
 FN real surface_distance(__global const real* out, uint slots, uint slot) {
   const real passes = out[SIM_O_TRANSMITTANCE * slots + slot];
-  if (!(passes < SIM_BESIDE_OPAQUE)) return R(-1.0);
+  if (!(passes < SIM_OFF_TRAJECTORY_OPAQUE)) return R(-1.0);
   return out[SIM_O_DISTANCE * slots + slot] / (R(1.0) - passes);
 }
 
 FN bool is_open(__global const real* out, uint slots, uint slot) {
-  return out[SIM_O_TRANSMITTANCE * slots + slot] > SIM_BESIDE_OPEN;
+  return out[SIM_O_TRANSMITTANCE * slots + slot] > SIM_OFF_TRAJECTORY_OPEN;
 }
 
-/// Between the four pixels around a place in the picture; false unless all of them are known.
+/// Bilinear colour at a picture position; false unless all four pixels are known.
 FN bool colour_at(__global const real* picture,
                   __global const int* slot_of_ray,
                   uint slots,
@@ -41,7 +41,7 @@ FN bool colour_at(__global const real* picture,
                          slot_of_ray[y0 * width + x1],
                          slot_of_ray[y1 * width + x0],
                          slot_of_ray[y1 * width + x1]};
-  bool known = true;  // loops without a way out: GPUs keep their arrays in registers
+  bool known = true;  // no early exit: GPUs then keep their arrays in registers
   SIM_EACH(k, 4) known = known && around[k] >= 0 && picture[around[k]] >= R(0.0);
   if (!known) return false;
   const real right = u - (real)x0, down = v - (real)y0;
@@ -54,16 +54,16 @@ FN bool colour_at(__global const real* picture,
   return true;
 }
 
-/// V slots per work-item: where their rays meet surfaces, where the recorded picture shows that place, and, if what it
-/// shows there is as far away as the place is, in which colour: between the four pixels around it, all of them known.
-/// Where rays meet nothing (sky, and what stands above the lasers' reach), the colour that the picture shows of all
-/// places along the ray, from SIM_BESIDE_NEAREST on, if it is one: whatever stands there, at whatever distance, has
-/// it. Places that it looks past, at a surface behind them, are empty; of those that it has a surface before nobody
-/// knows.
-/// in  frame, now, world_ray[3|6|7][slots], met[5][slots]: the view beside, as it was rendered of the surfaces;
-///     recorded, seen[5][slots]: the same of the view that was recorded; slot_of_ray[height][width], -1: no ray;
-///     picture[3][slots]: recorded, negative: not known
-/// out shown[3][slots]: -1 where the picture does not tell
+/// Colours an off-trajectory view from a recorded picture. V slots per work-item. A ray that hits a surface
+/// gets the bilinear colour where the recorded picture shows that point, if the picture's surface there is at
+/// the point's distance and all four pixels are known. A ray that hits nothing (sky, and objects above the
+/// LiDARs' field of view) gets the common colour of all points along the ray from SIM_OFF_TRAJECTORY_NEAREST
+/// on, if there is one: any surface at any distance would have this colour. Points in front of the picture's
+/// surface are empty; points behind it are unknown.
+/// in  frame, now, world_ray[3|6|7][slots], met[5][slots]: the off-trajectory view, rendered from the LiDAR
+///     surfaces; recorded, seen[5][slots]: the same for the recorded view; slot_of_ray[height][width], -1: no
+///     ray; picture[3][slots]: recorded, negative: unknown
+/// out shown[3][slots]: -1 where the colour is unknown
 __kernel void off_trajectory(const FrameParams frame,
                      const uint width,
                      const uint height,
@@ -87,13 +87,13 @@ __kernel void off_trajectory(const FrameParams frame,
     distance[lane] = surface_distance(met, s, i + lane);
     is_free[lane] = is_open(met, s, i + lane);
     is_asked[lane] = is_free[lane] || distance[lane] > R(0.0);
-    if (is_free[lane]) distance[lane] = SIM_BESIDE_FARTHEST;
+    if (is_free[lane]) distance[lane] = SIM_OFF_TRAJECTORY_FARTHEST;
     SIM_EACH(c, 3) colour[lane][c] = R(-1.0);
   }
   Gaussian stands;
   stand_still(&stands);
   bool goes_on = true;
-  for (int look = 0; look < SIM_BESIDE_LOOKS && goes_on; ++look) {
+  for (int look = 0; look < SIM_OFF_TRAJECTORY_LOOKS && goes_on; ++look) {
     F p[3], q[3], x, y;
     real away[V], column[V], row[V], usable[V];
     const F far = LDV(distance);
@@ -116,16 +116,16 @@ __kernel void off_trajectory(const FrameParams frame,
       if (!is_asked[lane]) continue;
       const int at = usable[lane] > R(0.0) ? slot_of_ray[(uint)row[lane] * width + (uint)column[lane]] : -1;
       const real there = at < 0 ? R(-1.0) : surface_distance(seen, s, (uint)at);
-      const bool is_past = is_free[lane] && look > 0 && there > (R(1.0) + SIM_BESIDE_SAME) * away[lane];
+      const bool is_past = is_free[lane] && look > 0 && there > (R(1.0) + SIM_OFF_TRAJECTORY_SAME) * away[lane];
       if (!is_past) {
         const bool is_it = is_free[lane]
                                ? at >= 0 && is_open(seen, s, (uint)at)
-                               : there > R(0.0) && fabs(there - away[lane]) <= SIM_BESIDE_SAME * away[lane];
+                               : there > R(0.0) && fabs(there - away[lane]) <= SIM_OFF_TRAJECTORY_SAME * away[lane];
         real found[3] = {R(0.0), R(0.0), R(0.0)};
         bool is_known =
             is_it && colour_at(picture, slot_of_ray, s, width, height, column[lane], row[lane], found);
         SIM_EACH(c, 3) {
-          is_known = is_known && (look == 0 || fabs(found[c] - colour[lane][c]) <= SIM_BESIDE_ALIKE);
+          is_known = is_known && (look == 0 || fabs(found[c] - colour[lane][c]) <= SIM_OFF_TRAJECTORY_ALIKE);
         }
         SIM_EACH(c, 3) {
           const real first = look == 0 ? found[c] : colour[lane][c];
@@ -135,7 +135,7 @@ __kernel void off_trajectory(const FrameParams frame,
       }
       if (!is_asked[lane]) continue;
       goes_on = true;
-      distance[lane] = SIM_BESIDE_NEAREST * (real)(SIM_BESIDE_LOOKS - 1) / (real)(look + 1);
+      distance[lane] = SIM_OFF_TRAJECTORY_NEAREST * (real)(SIM_OFF_TRAJECTORY_LOOKS - 1) / (real)(look + 1);
     }
   }
   SIM_EACH(lane, V) {

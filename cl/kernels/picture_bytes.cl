@@ -1,4 +1,4 @@
-// picture_bytes.cl - a picture as bytes. Launcher: host/device/render/outputs/picture_bytes.cpp
+// picture_bytes.cl - converts a picture to bytes. Launcher: host/device/render/outputs/picture_bytes.cpp
 #include "math/pixel_row.h"
 
 #if V == 1
@@ -15,7 +15,7 @@ typedef LANES_CAT(int, V) Ints;
 typedef LANES_CAT(uchar, V) Bytes;
 #endif
 
-/// Half a step goes up, and what is no number becomes 0: bit for bit as to_bytes() of io/picture has it.
+/// Rounds half up and maps NaN to 0: the same bits as to_bytes() in io/picture.
 FN Bytes bytes_of(F shown) {
   const Floats value = SIM_TO_FLOATS(shown);
   const Floats above = value > 0.0f ? value : (Floats)0.0f;
@@ -24,7 +24,7 @@ FN Bytes bytes_of(F shown) {
   return SIM_BYTES_FROM(whole + (steps - SIM_TO_FLOATS(whole) >= 0.5f ? (Ints)1 : (Ints)0));
 }
 
-/// V pixels of a row per work-item.
+/// Converts V pixels of a row per work-item.
 /// in  shown[3][slots]; slot_of_ray[height][width], -1: a pixel without a ray, which shows the background
 /// out bytes[3 * width * height]: channel c of pixel i at i * pixel_step + c * channel_step
 __kernel void picture_bytes(const uint width,

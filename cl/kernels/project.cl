@@ -6,16 +6,17 @@
 #include "math/sh.h"
 #include "math/unscented.h"
 
-/// 2 ln(opacity / least alpha): up to which squared distance in standard deviations a particle counts.
+/// Returns 2 ln(opacity / alpha cut), the largest squared distance in standard deviations at which a particle
+/// contributes.
 FN F largest_q(__global const SensorConstants* sensor, const Gaussian* g, F logit, F share) {
-  // ln(sigma / cut), where a logit of -80 is as good as -infinity.
+  // ln(sigma / cut); a logit of -80 is equivalent to -infinity.
   const F bounded = VMAX(VMIN(logit, (F)R(80.0)), (F)R(-80.0));
   F opaque = log(R(1.0) + exp_lanes(-bounded));
 #if DETAIL
   opaque = shared_out(share, bounded, opaque);
 #endif
 #if ACTORS
-  // A factor of the opacity: its gradient by the logit stays what it is.
+  // Scales the opacity; its gradient by the logit does not change.
   if (g->actor.any && ANY(g->actor.there < R(1.0))) opaque -= log(VMAX(g->actor.there, (F)R(1e-30)));
 #endif
 #if COMPENSATION
@@ -27,8 +28,7 @@ FN F largest_q(__global const SensorConstants* sensor, const Gaussian* g, F logi
 #endif
 }
 
-/// Whether particles may be met at all, `radius` large, carried along by `travel` (m) during the frame. False for
-/// what is not a number.
+/// Whether rays may hit particles of `radius` that move by `travel` (m) during the frame. False for NaN.
 FN I may_be_seen(const FrameParams* frame,
                  __global const SensorConstants* sensor,
                  __global const real* params,
@@ -39,8 +39,8 @@ FN I may_be_seen(const FrameParams* frame,
                  F qmax,
                  F radius,
                  F travel) {
-  // Positive guards: NaN anywhere makes them false. Beyond these bounds exp, squares and inverses leave the
-  // range of floats.
+  // Guards are positive comparisons, so that NaN fails them. Beyond these bounds exp, squares and inverses
+  // overflow floats.
   I visible = AND(qmax > R(0.0), AND(fabs(logit) < R(1e35), radius < R(1e18)));
 #if ACTORS
   if (g->actor.any) visible = AND(visible, g->actor.there > R(0.0));
@@ -52,8 +52,8 @@ FN I may_be_seen(const FrameParams* frame,
   const F far = sensor->model.t_max + origin_reach(frame, sensor);
   visible = AND(visible, AND(g->range > R(1e-6), g->range - radius - R(0.5) * travel < far));
 #if SENSOR == SENSOR_CAMERA
-  // The ball of that radius against the cone that holds the picture; cone and ball together may reach round
-  // to straight behind (sin(cone + ball's half angle) <= 0): then nothing is culled.
+  // Tests the bounding ball against the cone that contains the picture. Cone and ball together may reach around
+  // to straight behind (sin(cone + half angle of the ball) <= 0); then nothing is culled.
   const F step = centre_path(sensor);
   const F ball = radius + R(0.5) * (step + travel);
   const F tangent2 = fma(g->range, g->range, -(ball * ball));
@@ -65,8 +65,9 @@ FN I may_be_seen(const FrameParams* frame,
   return visible;
 }
 
-/// Where particles are on the sensor. Where x goes round, a particle has two places: at the cut of a sweep it is met
-/// from the pose at the start and from that at the end (the unrolled spin angle of METHOD section 3).
+/// Bounds of particles on the sensor. Where x is periodic, a particle has two positions: at the cut of a sweep
+/// it is visible from the pose at the start and from the pose at the end (the unrolled spin angle of METHOD
+/// section 3).
 FN void bounds_of(const FrameParams* frame,
                   __global const SensorConstants* sensor,
                   __global const real* normal_samples,
@@ -92,7 +93,7 @@ FN void bounds_of(const FrameParams* frame,
 #endif
 }
 
-/// All of a record [SIM_RECORD][V] but its features.
+/// Writes a record [SIM_RECORD][V] except its features.
 FN void put_record(const BlendMatrix* b, const Bounds* box, F qmax, real* out) {
   STV(out, b->a[0]);
   STV(out + V, b->a[1]);
@@ -106,7 +107,7 @@ FN void put_record(const BlendMatrix* b, const Bounds* box, F qmax, real* out) {
 }
 
 #if ACTOR_MOTION
-/// motion[SIM_MOTION][V] of particles of actors, whose records tell it by a box of negative width.
+/// Writes motion[SIM_MOTION][V] of particles of moving actors, and marks their records by a negative box width.
 FN void put_motion(
     const Gaussian* g, const Bounds* box, const F* velocity, F own_time, real* out, real* motion) {
   STV(out + SIM_R_BOX_HALF * V, SEL(g->actor.on, -VMAX(box->half_x, (F)R(1e-30)), box->half_x));
@@ -115,13 +116,13 @@ FN void put_motion(
 }
 #endif
 
-/// One lane of [count][V] to where it stays.
+/// Copies one lane of [count][V] to its particle.
 FN void store_lane(const real* lane, __global real* to, int count) {
   for (int k = 0; k < count; ++k) to[k] = lane[k * V];
 }
 
-/// Features as they are seen from `towards`, into the lanes of records [SIM_RECORD][V]; false where they are no
-/// numbers to blend.
+/// Evaluates features seen from direction `towards` into records [SIM_RECORD][V]; false where they are not
+/// finite.
 FN I features_of(
     const FrameParams* frame, __global const real* params, uint i, const F* towards, real* records) {
   F basis[SH_COEFFICIENTS];
@@ -143,9 +144,9 @@ FN I features_of(
   return usable;
 }
 
-/// V clusters per work-item, in the order in which the frame takes them: which of them it may see anything of.
-/// in  cluster_bounds[SIM_CLUSTER_ROWS][stride], cluster_actor[stride]; stride 0: nothing is known of them;
-///     actors[1 + A] with ACTORS
+/// Culls clusters. V clusters per work-item, in frame order.
+/// in  cluster_bounds[SIM_CLUSTER_ROWS][stride], cluster_actor[stride]; stride 0: no bounds known; actors[1 +
+///     A] with ACTORS
 /// out live[clusters]: 0 where no particle of the cluster can be visible
 __kernel void cull_clusters(const FrameParams frame,
                             __global const real* cluster_bounds,
@@ -167,14 +168,16 @@ __kernel void cull_clusters(const FrameParams frame,
   for (uint lane = 0; lane < V && i + lane < clusters; ++lane) live[i + lane] = kept[lane] > R(0.5) ? 1 : 0;
 }
 
-/// V particles per work-item: visibility, box, features, record.
-/// in  live[clusters] of cull_clusters; with `paged` cluster_at[clusters]: where the particles of each are, as they lie
-///     in all arrays by particle (else in this order); params[rows][stride]; actor_of[stride], actors[1 + A] with ACTORS; deform_offset[3][stride] with DEFORM;
-///     detail[SIM_DETAIL][stride] with DETAIL; LiDAR only:
-///     row_lut[4096]; row_elevation[2][rows], lowest and highest of each row's rays; tile_row_of_row[rows];
-///     column_of_bin[bins of x]; normal_samples[SIM_MONTE_CARLO][3] with PROJECTION_MONTE_CARLO; with CULLING mask_row_of_row[rows] and areas (ray_mask.cl)
+/// Projects V particles per work-item: visibility, box, features, record. Particles with non-finite or too
+/// distant parameters are culled.
+/// in  live[clusters] of cull_clusters; with `paged` cluster_at[clusters]: first particle of each cluster in
+///     the arrays by particle (otherwise consecutive); params[rows][stride]; actor_of[stride], actors[1 + A]
+///     with ACTORS; deform_offset[3][stride] with DEFORM; detail[SIM_DETAIL][stride] with DETAIL
+///     LiDAR only: row_lut[4096]; row_elevation[2][rows]: lowest and highest ray of each row;
+///         tile_row_of_row[rows]; column_of_bin[bins of x]; normal_samples[SIM_MONTE_CARLO][3] with
+///         PROJECTION_MONTE_CARLO; mask_row_of_row[rows] and areas (ray_mask.cl) with CULLING
 /// out records[N][16] of visible particles; footprints[N]; keys[N]: bits of the float range from o_ref,
-///     0xffffffff for a culled particle; motions[N][4] with ACTOR_MOTION. Parameters that are not numbers, or too far out, cull it.
+///     0xffffffff for a culled particle; motions[N][4] with ACTOR_MOTION
 __kernel void project(const FrameParams frame,
                       const uint paged,
                       __global const uint* live,
@@ -242,7 +245,7 @@ __kernel void project(const FrameParams frame,
   F towards[3];
   view_direction(&g, towards);
 #if ACTOR_MOTION
-  // The record holds for the time at which the middle of the box is seen.
+  // The record holds at the time when the sensor sees the middle of the box.
   const F own_time = time_of(sensor, box.mean_x, R(0.5) * (box.low + box.high));
   F velocity[3];
   place_at(&g, own_time, velocity);
@@ -258,7 +261,7 @@ __kernel void project(const FrameParams frame,
   if (g.actor.any) put_motion(&g, &box, velocity, own_time, out, motion);
 #endif
 
-  // Tiles and rows, lane by lane: integers from here on.
+  // Tiles and rows, lane by lane, in integers.
   real low_y[V], high_y[V], seen[V], range[V];
   STV(low_y, box.low);
   STV(high_y, box.high);
@@ -279,7 +282,7 @@ __kernel void project(const FrameParams frame,
   }
   if (drawn == 0) return;
 
-  // Features only now: most particles outside the field of view never read their SH.
+  // Features come last: most particles outside the field of view never read their SH coefficients.
   const I usable = features_of(&frame, params, i, towards, out);
   STV(seen, SEL(usable, (F)R(1.0), (F)R(0.0)));
   for (uint lane = 0; lane < lanes; ++lane) {

@@ -2,7 +2,7 @@
 #include "math/gaussian.h"
 #include "math/sh.h"
 
-/// Has fetched what the particles from `next` on will need, the next of the same work-group.
+/// Prefetches the inputs of the particles from `next` on, the next of the same work-group.
 FN void call_for_next(const FrameParams* frame,
                       __global const real* params,
                       __global const uint* keys,
@@ -22,12 +22,13 @@ FN void call_for_next(const FrameParams* frame,
   call_for_sh(params, frame->stride, next);
 }
 
-/// V particles per work-item. Sums each particle's slots in their order, then applies the chain rule of
-/// project's record. The box and the order carry no gradient (METHOD section 4).
-/// in  params[rows][stride]; keys[N], footprints[N], records[N][16] of project;
-///     grads[K][16] and slot_first[N] of render_bwd
-/// out param_grads[rows][stride]: dL/dparam, 0 for particles that were culled. pose_grads[6][stride], with ACTORS: of particles of actors, dL/d(shift, turn) of the actor
-///     at the record's time. What the particle's velocity owes to them is left out.
+/// Sums each particle's gradient slots in order and applies the chain rule of project's record. V particles per
+/// work-item. The box and the order carry no gradient (METHOD section 4).
+/// in  params[rows][stride]; keys[N], footprints[N], records[N][16] of project; grads[K][16] and slot_first[N]
+///     of render_bwd
+/// out param_grads[rows][stride]: dL/dparam, 0 for culled particles; with ACTORS pose_grads[6][stride]:
+///     dL/d(shift, turn) of the particle's actor at the record's time, without the dependence of the particle's
+///     velocity on them
 __kernel void project_bwd(const FrameParams frame,
                           __global const real* params,
                           __global const uint* actor_of,
@@ -48,7 +49,7 @@ __kernel void project_bwd(const FrameParams frame,
   const uint lanes = min((uint)V, frame.particles - i);
   call_for_next(&frame, params, keys, slot_first, records, grads, i + V);
 
-  // Slots are rows of 16 reals: add rows, then turn the V sums over.
+  // Slots are rows of 16 reals: adds rows, then transposes the V sums.
   real summed[SIM_GRAD * V];
 #if V == 16
   F rows[V];
@@ -105,7 +106,8 @@ __kernel void project_bwd(const FrameParams frame,
   blend_matrix(&g, &b);
   const I live = LDV(seen) > R(0.5);
 
-  // Back through A = Q M / r and o' = -Q M offset / r with Q held: any fixed rotation leaves q and tau.
+  // Differentiates A = Q M / r and o' = -Q M offset / r with Q constant: any fixed rotation leaves q and tau
+  // unchanged.
   F go[3], in[3], gm[9];
   SIM_EACH(k, 3) in[k] = LDV(summed + (SIM_G_ORIGIN + k) * V);
   unreflect(&b, in, go);
@@ -121,8 +123,8 @@ __kernel void project_bwd(const FrameParams frame,
     g_mean[c] = -(b.m[c] * go[0] + b.m[3 + c] * go[1] + b.m[6 + c] * go[2]);
   }
 #if ACTOR_MOTION
-  // The record alone is of its own time: filter, compensation and SH are of half-way. From here on, scene axes
-  // are those that turn with the actor and are the scene's half-way.
+  // Only the record refers to its own time; filter, compensation and SH refer to mid-frame. From here on, axes
+  // are scene axes that rotate with the actor and equal the scene's at mid-frame.
   F turn[9];
   g = half_way;
   if (g.actor.any) {
@@ -156,7 +158,7 @@ __kernel void project_bwd(const FrameParams frame,
 #endif
 
 #if COMPENSATION
-  // The gradient by ln alpha is that by the share's logarithm as well.
+  // The gradient by ln alpha is also the gradient by the logarithm of the share.
   Compensation kept;
   compensation(&g, &kept);
   compensation_gradient(
@@ -168,7 +170,7 @@ __kernel void project_bwd(const FrameParams frame,
 #if ACTORS
   F g_turn[3];
   if (g.actor.any) {
-    // A turn of the actor turns the particle's axes ...
+    // A rotation of the actor rotates the particle's axes ...
     SIM_EACH(k, 3) g_turn[k] = (F)R(0.0);
     SIM_EACH(axis, 3) {
       const F r[3] = {g.rotation[axis], g.rotation[3 + axis], g.rotation[6 + axis]};
@@ -224,7 +226,7 @@ __kernel void project_bwd(const FrameParams frame,
     SIM_EACH(k, SH_COEFFICIENTS) {
       const uint row = (SIM_SH + 3 * k + channel) * stride + i;
       weight[k] = fma(gf, LDV(params + row), weight[k]);
-      STV(param_grads + row, SEL(live, gf * basis[k], (F)R(0.0)));  // a culled particle's basis may be NaN
+      STV(param_grads + row, SEL(live, gf * basis[k], (F)R(0.0)));  // the basis of a culled particle may be NaN
     }
   }
 #if SH_DEGREE > 0
@@ -238,7 +240,7 @@ __kernel void project_bwd(const FrameParams frame,
     const F own[3] = {gd[0], gd[1], gd[2]};
     rotate_lanes(g.actor.rotation, own, gd);
     F torque[3];
-    cross_lanes(gd, direction, torque);  // the direction turns the other way in the actor's frame
+    cross_lanes(gd, direction, torque);  // in the actor's frame the direction rotates the other way
     SIM_EACH(k, 3) g_turn[k] += torque[k];
   }
 #endif

@@ -1,10 +1,10 @@
-// ray_mask.cl - cells with requested LiDAR rays, their areas (procedure 2). Launcher: host/device/render/rays/ray_mask.cpp
-// Rebuilt whenever other rays are requested. Rays and particles find their cells by the same functions.
+// ray_mask.cl - cells with requested LiDAR rays as a summed-area table (procedure 2). Launcher: host/device/render/rays/ray_mask.cpp
+// Rebuilt when the requested rays change. Rays and particles find their cells by the same functions.
 #include "math/sensor.h"
 
-/// One work-item per slot.
+/// Marks cells. One work-item per slot.
 /// in  sensor_ray[7][slots], ray_u[slots]; tile_rows[tiles_y + 1]; mask_row_of_row[rows]
-/// out cells[mask rows][columns]: 1 where at least one ray is, else left as it is
+/// out cells[mask rows][columns]: 1 where the cell contains a ray, else unchanged
 __kernel void ray_mask_cells(const FrameParams frame,
                              __global const real* sensor_ray,
                              __global const real* ray_u,
@@ -25,8 +25,8 @@ __kernel void ray_mask_cells(const FrameParams frame,
   atomic_or(cells + mask_row_of_row[row] * columns + column, 1u);
 }
 
-/// One work-item per row of areas.
-/// out areas[rows + 1][columns + 1]: sums along each row, the first row and column 0
+/// Sums along rows. One work-item per row of areas.
+/// out areas[rows + 1][columns + 1]: first row and column 0
 __kernel void ray_mask_row_sums(__global const uint* cells,
                                 const uint rows,
                                 const uint columns,
@@ -42,8 +42,8 @@ __kernel void ray_mask_row_sums(__global const uint* cells,
   }
 }
 
-/// One work-item per column of areas: adds up the rows, so that areas[y][x] counts the occupied cells of all
-/// rows < y and columns < x.
+/// Sums along columns, one work-item each: areas[y][x] then counts the occupied cells of all rows < y and
+/// columns < x.
 __kernel void ray_mask_column_sums(const uint rows, const uint columns, __global uint* areas) {
   const uint x = get_global_id(0);
   if (x > columns) return;

@@ -1,12 +1,12 @@
-// rays.cl - rays of one frame in the world, from the sensor's own rays. Launcher: host/device/render/frame/rays.cpp
+// rays.cl - transforms sensor rays to world rays of one frame. Launcher: host/device/render/frame/rays.cpp
 #include "math/sensor_pose.h"
 #include "shared/layout.h"
 
-/// Turns each slot's sensor-frame ray to the world at its own time. V slots per work-item.
+/// Transforms each slot's ray from the sensor frame to the world at the ray's own time. V slots per work-item.
+/// Slots without a ray keep their zero direction, which hits nothing.
 /// in  sensor_ray[3|7][slots]: unit direction; with ORIGINS also origin (m) and time share of the frame
 /// out world_ray[3|6|7][slots]: unit direction; with ORIGINS also origin minus o_ref, m; with ACTOR_MOTION also
 ///     the time share
-/// Slots without a ray have a zero direction and keep it: nothing they meet can count.
 __kernel void rays(const FrameParams frame,
                    __global const SensorConstants* sensor,
                    __global const real* sensor_ray,

@@ -1,9 +1,9 @@
-// render.cl - front-to-back blending of a tile's particles. Launcher: host/device/render/frame/render.cpp
+// render.cl - blends a tile's particles front to back. Launcher: host/device/render/frame/render.cpp
 #include "math/ray_drop.h"
 #include "math/ray_feature.h"
 #include "math/tile_walk.h"
 
-/// What the vectors of a work-item have blended.
+/// Accumulated outputs of a work-item's vectors.
 struct Blending {
   RayLanes ray[NR];
   F transmittance[NR], f0[NR], f1[NR], f2[NR], distance[NR];
@@ -19,7 +19,7 @@ FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Ble
     RayLanes own;
     Response response;
     meet(tile, at, seen_by(at, &b->ray[j], &own), &response);
-    // Of vectors most are touched: guessing wrong costs more than no light.
+    // Most vectors are touched, so a mispredicted branch costs more than evaluating no light.
 #if V == 1 || RAY_SH
     if (!ANY(response.inside)) continue;
 #endif
@@ -37,7 +37,7 @@ FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Ble
     b->f1[j] = fma(weight, (F)at->record[SIM_R_FEATURE + 1], b->f1[j]);
     b->f2[j] = fma(weight, (F)at->record[SIM_R_FEATURE + 2], b->f2[j]);
 #endif
-    // Lanes outside may hold NaN or infinity in tau.
+    // Lanes outside may contain NaN or infinity in tau.
     const F tau = SEL(response.inside, response.tau, (F)R(0.0));
     b->distance[j] = fma(weight, tau, b->distance[j]);
     const F left = b->transmittance[j] - weight;
@@ -55,16 +55,16 @@ FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Ble
   }
 }
 
-/// One work-group of LS work-items per tile; each holds NR vectors of V rays in registers or L1.
-/// in  world_ray[3|6|7][slots], ray_u[slots], of every slot a place in its tile; first[tiles+1]; payload[K] by
-///     tile, nearest first; records[N][16]; motions[N][4] of particles that move, with ACTOR_MOTION
-/// out out[7][slots]: 3 features over the background, transmittance, sum of w tau (m), median distance (m,
-///     0 where transmittance never falls to 1/2), with DROP the drop logit; with ACTOR_IDS the median distance
-///     is the first feature, over a background of 0, and in its place stands the actor there. Slots
-///     without a ray get the background.
-/// Particle outer, rays inner: the particle's record is read once per tile and only the slot rows that its
-/// footprint touches are visited, of these the vectors that still have a ray. A ray is terminated (direction
-/// zeroed) once T < transmittance cut.
+/// Blends one tile per work-group of LS work-items; each work-item has NR vectors of V rays in registers or L1
+/// cache. The outer loop runs over particles: a particle's record is read once per tile, and only ray blocks
+/// inside its footprint with active rays are evaluated. A ray terminates early (zero direction) once T <
+/// transmittance cut.
+/// in  world_ray[3|6|7][slots]; ray_u[slots]: position along x; first[tiles+1]; payload[K] by tile, nearest
+///     first; records[N][16]; motions[N][4] of moving particles with ACTOR_MOTION
+/// out out[7][slots]: 3 features over the background, transmittance, sum of w tau (m), median distance (m, 0
+///     where transmittance never falls to 1/2), with DROP the drop logit. With ACTOR_IDS the first feature is
+///     the median distance over a background of 0, and the median's row has the actor there. Slots without a
+///     ray get the background.
 __kernel SIM_GROUP void render(const FrameParams frame,
                                __global const SensorConstants* sensor,
                                __global const real* world_ray,
@@ -80,7 +80,7 @@ __kernel SIM_GROUP void render(const FrameParams frame,
   const Tile tile = tile_at(get_group_id(0), sensor, ray_u, first, payload, records, motions);
   struct Blending b;
   b.features = features_of(params, frame.stride, actor_of, actors);
-  uint alive = 0;  // a bit per vector that still has a ray
+  uint alive = 0;  // one bit per vector that still has an active ray
   SIM_EACH_VECTOR
   for (int j = 0; j < NR; ++j) {
     load_ray(world_ray, ray_u, frame.slots, tile.base + SIM_VECTOR_SLOT(j, tile.lid), &b.ray[j]);

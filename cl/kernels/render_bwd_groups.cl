@@ -1,51 +1,52 @@
-// render_bwd_groups.cl - gradients of blending where a tile is a group. Launcher: host/device/render/backward/render_bwd.cpp
+// render_bwd_groups.cl - gradients of blending for tiles of one work-group. Launcher: host/device/render/backward/render_bwd.cpp
 #include "math/gradient_slot.h"
 #include "math/response_bwd.h"
 
-// A group goes through its tile's list in batches: first which work-items have a ray that meets which pair, then
-// what these add up to. Most meet few: only those that do have a row of sums, numbered by pair, then by work-item.
-#define SIM_BATCH 32        // pairs: a bit each
-#define SIM_BATCH_ROWS 128  // that local memory holds; a batch of more goes on when these have been added up
-#define SIM_ROW (SIM_GRAD + 1)  // the last for the blended error; odd, so that columns lie in different banks
+// A group processes its tile's list in batches: first it finds which work-items have rays that hit which pair,
+// then it sums their gradients. Few work-items hit a pair, and only these have a row of sums, numbered by pair,
+// then by work-item.
+#define SIM_BATCH 32  // pairs; one bit each
+#define SIM_BATCH_ROWS 128  // rows in local memory; a larger batch continues after these have been summed
+#define SIM_ROW (SIM_GRAD + 1)  // the last entry is the blended error; odd, so that columns lie in different banks
 #define SIM_WORDS ((LS + 31) / 32)
-// Compilers unroll loops over local memory, and take registers for each copy.
+// Compilers otherwise unroll loops over local memory and spend registers on each copy.
 #define SIM_ONE_BY_ONE _Pragma("unroll 1")
 
-/// Of a group, in local memory.
+/// State of a group's batch in local memory.
 typedef struct {
   Quarter quarters[SIM_BATCH * SIM_QUARTERS];
   ulong slot[SIM_BATCH];
   uint payload[SIM_BATCH];
-  uint rows_touched[SIM_BATCH];     // as rows_of(): told once, for which there are registers
-  uint met[SIM_BATCH * SIM_WORDS];  // [pairs]: a bit per work-item that meets it
-  uint row_count[SIM_BATCH];        // of each pair
+  uint rows_touched[SIM_BATCH];  // as rows_of(), computed once
+  uint met[SIM_BATCH * SIM_WORDS];  // [pairs]: one bit per work-item that hits the pair
+  uint row_count[SIM_BATCH];  // per pair
   uint row_first[SIM_BATCH + 1];
   real rows[SIM_BATCH_ROWS * SIM_ROW];
   int alive;
 } Batch;
 
-/// What kernel arguments are to every step.
+/// Kernel arguments common to all steps.
 typedef struct {
   uint slots;
   __global const real* world_ray;
   __global const real* ray_u;
   __global const real* grad_out;
   __global const real* ray_error;
-  __global const real* replayed;  // of the list's first place
+  __global const real* replayed;  // from the first entry of the list
 } RayArrays;
 
-/// What a work-item knows of its vectors; their rays it fetches anew, as registers hold those of one.
+/// State of a work-item's vectors. Rays are loaded again for each vector, because registers hold only one.
 struct Blending {
 #if RAY_ORDER
-  uint to[NR];  // places of the list that vectors look at
+  uint to[NR];  // end of the list entries that each vector processes
 #else
   F transmittance[NR];
-  F behind[NR];  // g . (what is still to come): features, distance and the last transmittance
+  F behind[NR];  // g . (remaining features, distance and final transmittance)
 #endif
-  uint meets[NR];  // pairs of the batch, a bit each
+  uint meets[NR];  // pairs of the batch, one bit each
 };
 
-/// of[j], chosen among registers: read before it is asked for, as compilers make of[k], where k is j, a variable index.
+/// Selects of[j] from registers; compilers turn of[k] with a variable k = j into a memory access.
 FN F pick(const F* of, int j) {
   F one = of[0];
 #pragma unroll
@@ -63,14 +64,14 @@ FN void put_back(F* of, int j, F value) {
   }
 }
 
-/// met[SIM_WORDS]: a bit per work-item. Rows before this work-item's of the pair's.
+/// Counts the rows of a pair before this work-item's. met[SIM_WORDS]: one bit per work-item.
 FN uint rows_before(const __local uint* met, uint lid) {
   uint rows = 0;
   for (uint w = 0; w < lid / 32; ++w) rows += popcount(met[w]);
   return rows + popcount(met[lid / 32] & ((1u << lid % 32) - 1u));
 }
 
-/// Sum of one column of rows [begin, end), by fours.
+/// Sums one column of the rows [begin, end), four at a time.
 FN real column_sum(const __local real* rows, uint column, uint begin, uint end) {
   real part[4] = {R(0.0), R(0.0), R(0.0), R(0.0)};
   uint r = begin;
@@ -97,8 +98,8 @@ FN void stage_batch(const Tile* tile, const SlotMap* map, uint first, uint count
   if (tile->lid == 0) batch->alive = 0;
 }
 
-/// Which vectors meet which pairs of the batch, whose first has the place `first`; rays that end in this batch
-/// still count. A vector at a time.
+/// Finds which vectors hit which pairs of the batch that starts at list entry `first`; rays that terminate in
+/// this batch still count. One vector at a time.
 FN void find_met(const Tile* tile,
                  const RayArrays* arrays,
                  uint first,
@@ -149,7 +150,7 @@ FN void count_rows(uint lid, uint count, __local Batch* batch) {
   }
 }
 
-/// What vector j adds to a row, or with `again` adds to it, of pair k.
+/// Writes the gradients of vector j for pair k to a row, or with `again` adds them.
 FN void add_row(const Tile* tile,
                 const RayArrays* arrays,
                 uint place,
@@ -168,12 +169,12 @@ FN void add_row(const Tile* tile,
   F left = pick(b->transmittance, j), to_come = pick(b->behind, j), d_log;
   end_rays(left < tile->t_cut, &ray);
 #endif
-  // Motions of all: what is fetched of some alone takes registers for both.
+  // Loads the motion for all pairs: loading it for some only would need registers for both cases.
   complete(tile, place, batch->payload[k], 1, &at);
   const RayLanes* seen = seen_by(&at, &ray, &own);
   Response response;
   meet(tile, &at, seen, &response);
-  if (!ANY(response.inside)) {  // ended meanwhile
+  if (!ANY(response.inside)) {  // the ray terminated earlier
     for (int c = 0; !again && c < SIM_ROW; ++c) row[c] = R(0.0);
     return;
   }
@@ -200,8 +201,8 @@ FN void add_row(const Tile* tile,
 #endif
 }
 
-/// Fills the rows [done, done + SIM_BATCH_ROWS) of this work-item. begun: the pair whose row it has begun.
-FN void inpaint_rows(const Tile* tile,
+/// Fills the rows [done, done + SIM_BATCH_ROWS) of this work-item. begun: the pair whose row has been started.
+FN void fill_rows(const Tile* tile,
                   const RayArrays* arrays,
                   uint first,
                   uint done,
@@ -210,7 +211,8 @@ FN void inpaint_rows(const Tile* tile,
                   __local Batch* batch) {
   SIM_ONE_BY_ONE
   for (;;) {
-    // What this work-item has next, by pair, then by vector. Others are elsewhere: one text for all.
+    // Continues with this work-item's next pair, then its next vector. Work-items are at different positions in
+    // the same loop.
     uint left_to_do = 0;
     SIM_EACH_VECTOR
     for (int j = 0; j < NR; ++j) left_to_do |= b->meets[j];
@@ -229,8 +231,8 @@ FN void inpaint_rows(const Tile* tile,
   }
 }
 
-/// Adds rows [done, done + SIM_BATCH_ROWS) to the slots of their pairs. A work-item has the same columns of the
-/// same pairs each time: what it has stored it may add to.
+/// Adds the rows [done, done + SIM_BATCH_ROWS) to the gradient slots of their pairs. A work-item always has the
+/// same columns of the same pairs, so it may add to its own stores.
 FN void add_rows_up(uint lid,
                     uint count,
                     uint done,
@@ -242,7 +244,7 @@ FN void add_rows_up(uint lid,
     const uint k = place / (SIM_GRAD + ERRORS), column = place % (SIM_GRAD + ERRORS);
     const uint row = batch->row_first[k], row_end = batch->row_first[k + 1];
     const uint from = max(row, done), to = min(row_end, done + SIM_BATCH_ROWS);
-    if (from >= to && (row < row_end || done > 0)) continue;  // of no row: a sum of nothing, once
+    if (from >= to && (row < row_end || done > 0)) continue;  // a pair without rows: stores zeros once
     __global real* target =
         column < SIM_GRAD ? grads + SIM_GRAD * batch->slot[k] + column : pair_error + batch->slot[k];
     const real total = column_sum(batch->rows, column, from - done, to - done);
@@ -250,7 +252,7 @@ FN void add_rows_up(uint lid,
   }
 }
 
-/// Contract of render_bwd_lanes.cl.
+/// Contract as in render_bwd_lanes.cl.
 __kernel SIM_GROUP void render_bwd(const FrameParams frame,
                                    __global const SensorConstants* sensor,
                                    __global const real* world_ray,
@@ -302,11 +304,12 @@ __kernel SIM_GROUP void render_bwd(const FrameParams frame,
     count_rows(tile.lid, count, &batch);
     uint begun = SIM_BATCH, all_rows = 0;
     for (uint done = 0; done == 0 || done < all_rows; done += SIM_BATCH_ROWS) {
-      // Before what loops as long as a work-item likes, not behind it: compilers make one loop of two that begin at the
-      // same place, and NVIDIA's then lets a part of a warp through the barrier below while the rest still fills rows.
+      // The barrier comes before a loop of data-dependent length: compilers merge two loops that start at the
+      // same place, and NVIDIA's then lets part of a warp pass the barrier below while the rest still fills
+      // rows.
       barrier(CLK_LOCAL_MEM_FENCE);
       all_rows = batch.row_first[count];
-      inpaint_rows(&tile, &arrays, place, done, &begun, &b, &batch);
+      fill_rows(&tile, &arrays, place, done, &begun, &b, &batch);
       barrier(CLK_LOCAL_MEM_FENCE);
       add_rows_up(tile.lid, count, done, &batch, grads, pair_error);
     }

@@ -1,8 +1,8 @@
-// render_bwd_lanes.cl - gradients of blending where a tile is one work-item. Launcher: host/device/render/backward/render_bwd.cpp
+// render_bwd_lanes.cl - gradients of blending for tiles of one work-item. Launcher: host/device/render/backward/render_bwd.cpp
 #include "math/gradient_slot.h"
 #include "math/response_bwd.h"
 
-/// What the vectors of a tile replay.
+/// Replay state of a tile's vectors.
 struct Blending {
   RayLanes ray[NR];
   F g0[NR], g1[NR], g2[NR], gd[NR];
@@ -10,22 +10,22 @@ struct Blending {
   F error[NR];
 #endif
 #if RAY_ORDER
-  uint to[NR];                    // places of the list that vectors look at
-  __global const real* replayed;  // of the list's first place
+  uint to[NR];  // end of the list entries that each vector processes
+  __global const real* replayed;  // from the first entry of the list
 #else
   F transmittance[NR];
-  F behind[NR];  // g . (what is still to come): features, distance and the last transmittance
+  F behind[NR];  // g . (remaining features, distance and final transmittance)
 #endif
 };
 
-/// What the rays of a tile add to a pair.
+/// Gradients that the rays of a tile add to a pair.
 typedef struct {
   F grad[SIM_GRAD];
   F error;
 } Sums;
 
-/// Brings what the next pairs touch, and where their sums go, near: particles of a tile lie all over memory,
-/// and waiting for them would be a third of the time.
+/// Prefetches records and gradient slots of the next pairs: the particles of a tile are scattered in memory,
+/// and waiting for them would take a third of the time.
 FN void fetch_ahead(const Tile* tile, uint i, const SlotMap* map, __global const real* grads) {
   if (i + 8 < tile->end) {
     const uint particle = tile->payload[i + 8] & SIM_PARTICLE_MASK;
@@ -77,16 +77,15 @@ FN void add_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blend
   }
 }
 
-/// Replays render front to back with the stored result: what lies behind a particle is the result minus
-/// what has been summed so far. No atomics: a pair's sums go to its own slot.
-/// Build: ERRORS = 1 to blend the rays' errors as well; RAY_ORDER = 1 where rays have orders of their own, which
-/// replay_window has gone through: here it is still particle by particle. Tiles from tile_first on.
+/// Replays render front to back with the stored result: the contribution behind a particle is the result minus
+/// the sum so far. No atomics: the sums of a pair go to its own slot.
+/// Build: ERRORS = 1 blends the rays' errors as well; RAY_ORDER = 1 for rays in their own order, replayed by
+/// replay_window. Processes tiles from tile_first on.
 /// in  as render; out[6][slots] of render; grad_out[5][slots]: dL/d(features, T, distance); with RAY_ORDER
-///     replayed[places][2][SIM_WALK_RAYS] and replayed_to[tiles][LS][NR] of replay_window
-///     footprints[N]; slot_first[N], the prefix sum of slot_counts
-/// out grads[K][16]: dL/dA (9, times r), dL/do' (3, times r), dL/d ln sigma, dL/d features (3).
-///     Every slot of every pair is written.
-///     ERRORS: pair_error[K]: sum over its rays of weight x ray_error[slots]
+///     replayed[places][2][SIM_WALK_RAYS] and replayed_to[tiles][LS][NR] of replay_window; footprints[N];
+///     slot_first[N], the prefix sum of slot_counts
+/// out grads[K][16]: dL/dA (9, times r), dL/do' (3, times r), dL/d ln sigma, dL/d features (3); every slot of
+///     every pair is written. With ERRORS pair_error[K]: sum over its rays of weight x ray_error[slots]
 __kernel SIM_GROUP void render_bwd(const FrameParams frame,
                                    __global const SensorConstants* sensor,
                                    __global const real* world_ray,
@@ -109,7 +108,7 @@ __kernel SIM_GROUP void render_bwd(const FrameParams frame,
   const Tile tile = tile_at(group, sensor, ray_u, first, payload, records, motions);
   const SlotMap map = {group % frame.tiles_x, group / frame.tiles_x, footprints, slot_first};
   struct Blending b;
-  uint alive = 0;  // a bit per vector that still has a ray
+  uint alive = 0;  // one bit per vector that still has an active ray
   uint end = tile.end;
 #if RAY_ORDER
   b.replayed = replayed + (ulong)(tile.begin - first[tile_first]) * SIM_REPLAYED;

@@ -1,9 +1,9 @@
-// render_per_ray.cl - blending in each ray's own order, exactly. Launcher: host/device/render/frame/render.cpp
+// render_per_ray.cl - blending in the exact order of each ray. Launcher: host/device/render/frame/render.cpp
 #include "math/light.h"
 #include "math/rounds.h"
 
-/// Contract of `render`, but for the order (blend_in_rounds()), and for the vectors of inverted[tiles][LS] alone, which
-/// render_window leaves.
+/// Contract as `render`, except for the order (blend_in_rounds()), for the vectors marked in
+/// inverted[tiles][LS] that render_window left.
 __kernel SIM_GROUP void render_per_ray(const FrameParams frame,
                                        __global const SensorConstants* sensor,
                                        __global const real* world_ray,

@@ -1,5 +1,6 @@
-// render_window.cl - blending in each ray's own order, nearly. Launcher: host/device/render/frame/render.cpp
-// Build: WINDOW entries, 2 or more; PER_RAY = 1 tells the vectors that they were too few for; render_per_ray makes these.
+// render_window.cl - blending in the order of each ray within a window. Launcher: host/device/render/frame/render.cpp
+// Build: WINDOW entries, 2 or more; PER_RAY = 1 marks the vectors whose window was too small, which
+// render_per_ray then renders.
 #include "math/light.h"
 #include "math/tile_walk.h"
 #include "math/window.h"
@@ -9,7 +10,7 @@ struct Blending {
   Light light[NR];
   Window window[NR];
   Features features;
-  uint inverted;  // vectors, a bit each
+  uint inverted;  // vectors, one bit each
 };
 
 FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blending* b) {
@@ -39,10 +40,12 @@ FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Ble
   }
 }
 
-/// Contract of `render`, but for the order: each ray blends the nearest of the last WINDOW responses of its
-/// vector, so that those blend in the ray's own order that are not farther from it in the list than that.
-/// out inverted[tiles][LS], with PER_RAY: bits of the vectors in which a ray met something nearer than what it
-///     had blended already, also after its end. Their outputs are not made. All others have exact order.
+/// Contract as `render`, except for the order: each ray blends the nearest of the last WINDOW responses of its
+/// vector, which is the ray's own order if no response is farther than WINDOW entries from its place in the
+/// list.
+/// out inverted[tiles][LS], with PER_RAY: bits of the vectors in which a ray hit a response nearer than one it
+///     had already blended, also after its termination. Their outputs are not written; all others have exact
+///     order.
 __kernel SIM_GROUP void render_window(const FrameParams frame,
                                       __global const SensorConstants* sensor,
                                       __global const real* world_ray,
@@ -61,7 +64,7 @@ __kernel SIM_GROUP void render_window(const FrameParams frame,
   struct Blending b;
   b.features = features_of(params, frame.stride, actor_of, actors);
   b.inverted = 0;
-  uint alive = 0;  // a bit per vector that still looks at the list
+  uint alive = 0;  // one bit per vector that still processes the list
   for (int j = 0; j < NR; ++j) {
     load_ray(world_ray, ray_u, frame.slots, tile.base + SIM_VECTOR_SLOT(j, tile.lid), &b.ray[j]);
     start_light(&b.ray[j], &b.light[j]);

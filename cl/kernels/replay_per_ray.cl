@@ -1,9 +1,9 @@
-// replay_per_ray.cl - render_per_ray once more, for render_bwd. Launcher: host/device/render/backward/render_bwd.cpp
+// replay_per_ray.cl - replays render_per_ray for render_bwd. Launcher: host/device/render/backward/render_bwd.cpp
 #define SIM_REPLAY 1
 #include "math/light_bwd.h"
 #include "math/rounds.h"
 
-/// render_per_ray once more, of tiles from tile_first on; arguments as replay_window's.
+/// Replays tiles from tile_first on; arguments as in replay_window.
 __kernel SIM_GROUP void replay_per_ray(const FrameParams frame,
                                        __global const SensorConstants* sensor,
                                        __global const real* world_ray,

@@ -1,4 +1,4 @@
-// replay_window.cl - render_window once more, for render_bwd. Launcher: host/device/render/backward/render_bwd.cpp
+// replay_window.cl - replays render_window for render_bwd. Launcher: host/device/render/backward/render_bwd.cpp
 // Build: as render_window.cl
 #define SIM_REPLAY 1
 #include "math/light_bwd.h"
@@ -10,7 +10,7 @@ struct Blending {
   Light light[NR];
   Window window[NR];
   Features features;
-  uint to[NR];  // places of the list that vectors look at
+  uint to[NR];  // end of the list entries that each vector processes
 };
 
 FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blending* b) {
@@ -34,12 +34,13 @@ FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Ble
   }
 }
 
-/// render_window once more, of tiles from tile_first on.
-/// in  as render_window; out, grad_out of render_bwd(); with PER_RAY: inverted, whose vectors are left to replay_per_ray
-/// out replayed[places][2][SIM_WALK_RAYS], places counted from the list of tile_first on: the weight of what each ray
-///     has met there, and the gradient of its ln alpha; 0 where it has blended nothing. Not set for vectors that
-///     the particle does not touch, nor from replayed_to on
-///     replayed_to[tiles][LS][NR]: the place in the tile's list that a vector needs no more
+/// Replays render_window for tiles from tile_first on.
+/// in  as render_window; out, grad_out of render_bwd(); with PER_RAY inverted, whose vectors replay_per_ray
+///     handles
+/// out replayed[places][2][SIM_WALK_RAYS], with list entries counted from the list of tile_first: weight of
+///     each ray's response and gradient of its ln alpha; 0 where the ray blended nothing. Not set for vectors
+///     that the particle does not touch, nor from replayed_to on
+///     replayed_to[tiles][LS][NR]: end of the list entries that a vector needs
 __kernel SIM_GROUP void replay_window(const FrameParams frame,
                                       __global const SensorConstants* sensor,
                                       __global const real* world_ray,
@@ -62,7 +63,7 @@ __kernel SIM_GROUP void replay_window(const FrameParams frame,
   __global real* replayed_here = replayed + (ulong)(tile.begin - first[tile_first]) * SIM_REPLAYED;
   struct Blending b;
   b.features = features_of(params, frame.stride, actor_of, actors);
-  uint alive = 0;  // a bit per vector that still looks at the list
+  uint alive = 0;  // one bit per vector that still processes the list
   for (int j = 0; j < NR; ++j) {
     const uint place = SIM_VECTOR_SLOT(j, tile.lid), slot = tile.base + place;
     load_ray(world_ray, ray_u, frame.slots, slot, &b.ray[j]);

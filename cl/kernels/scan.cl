@@ -1,5 +1,5 @@
 // scan.cl - exclusive prefix sum. Launcher: host/device/render/device/scan.cpp
-// A work-group owns `block` consecutive elements, a work-item consecutive elements of those. CPUs: one group of
+// A work-group owns `block` consecutive elements, a work-item a consecutive part of those. CPUs: one group of
 // one work-item; GPUs: as many groups as the elements fill.
 #include "math/group.h"
 #include "math/lanes.h"
@@ -13,7 +13,7 @@
   const uint first = min(begin + lid * own, end);           \
   const uint last = min(first + own, end);
 
-/// out sums[groups]: of each group's elements
+/// out sums[groups]: sum of each group's elements
 __kernel SIM_GROUP void scan_sums(__global const uint* data,
                                   const uint n,
                                   const uint block,
@@ -26,10 +26,9 @@ __kernel SIM_GROUP void scan_sums(__global const uint* data,
   if (lid == 0) sums[get_group_id(0)] = total;
 }
 
-/// data[n] becomes its exclusive prefix sum.
-/// in  sums[groups]: scan_sums(); of one group alone they are not read
-///     middle: an element, or n for none
-/// out total[2]: the sum of all, in 64 bits, and that of all before `middle`
+/// Replaces data[n] by its exclusive prefix sum.
+/// in  sums[groups] of scan_sums(), unused with one group; middle: an element index, or n for none
+/// out total[2]: 64-bit sum of all elements, and of all before `middle`
 __kernel SIM_GROUP void scan_exclusive(__global uint* data,
                                        const uint n,
                                        const uint block,

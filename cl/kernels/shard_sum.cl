@@ -1,14 +1,14 @@
-// shard_sum.cl - gradients of the frames of one step, by a tree. Launcher: host/device/render/train/shard_sum.cpp
-// A matrix [rows][stride] has a column for each particle; a frame, or the sum of some, has a say in those alone
-// whose key is not all ones. No launch touches a number twice, and every addition is one rounding of two numbers
-// that stand somewhere: what a sum is depends on what is added to what, and on nothing else.
+// shard_sum.cl - sums the gradients of a step's frames by a tree. Launcher: host/device/render/train/shard_sum.cpp
+// A matrix [rows][stride] has one column per particle; a frame, or a sum of frames, has values only in columns
+// whose key is not all ones. No launch accesses a number twice, and every addition rounds the sum of two stored
+// numbers once, so a sum depends only on the structure of the tree.
 #include "math/lanes.h"
 
-/// V columns per work-item: takes `share` times what stands in a matrix over into a sum where that has none yet,
-/// and adds it elsewhere.
+/// Adds `share` times a matrix to a sum, or copies it to columns where the sum has no values yet. V columns per
+/// work-item.
 /// in  from_keys[particles], from[rows][stride]
-/// io  keys[particles]: of the sum; with `mark` 0 where `from` has a say, too
-///     sum[first + rows][stride], from row `first` on
+/// io  keys[particles] of the sum, with `mark` set to 0 where `from` has values; sum[first + rows][stride],
+/// from row `first` on
 __kernel void add_rendered(const uint particles,
                         const uint stride,
                         const uint rows,
@@ -44,8 +44,8 @@ __kernel void add_rendered(const uint particles,
   }
 }
 
-/// V of the columns in order[count] per work-item.
-/// out packed[rows][count]: what stands in them
+/// Packs columns. V of the columns in order[count] per work-item.
+/// out packed[rows][count]
 __kernel void pack_columns(const uint count,
                            const uint rows,
                            const uint stride,
@@ -60,7 +60,7 @@ __kernel void pack_columns(const uint count,
   }
 }
 
-/// The same the other way round, as add_rendered() with a share of 1 and all rows.
+/// Adds packed columns, as add_rendered() with a share of 1 and all rows.
 /// in  packed[rows][count]
 /// io  keys[particles], sum[rows][stride]
 __kernel void add_packed(const uint count,
@@ -81,7 +81,7 @@ __kernel void add_packed(const uint count,
   for (uint k = first; k < min(first + V, count); ++k) keys[order[k]] = 0;
 }
 
-/// sum[i] += sums[row][i] of the particles that `keys` show.
+/// sum[i] += sums[row][i] for particles visible by `keys`.
 __kernel void add_row(const uint particles,
                       const uint stride,
                       const uint row,

@@ -1,10 +1,11 @@
-// slot_counts.cl - how many gradient slots each particle has. Launcher: host/device/render/backward/render_bwd.cpp
+// slot_counts.cl - number of gradient slots of each particle. Launcher: host/device/render/backward/render_bwd.cpp
 #include "math/lanes.h"
 #include "shared/layout.h"
 
-/// out slot_first[n]: how many slots a particle has, one per tile pair; its prefix sum tells where they begin.
-///     By index, not in the order of the frame: neighbours in memory have neighbouring slots, so that what a tile
-///     writes lies together and project_bwd reads one slot after the other.
+/// Counts one slot per tile-Gaussian pair.
+/// out slot_first[n]: number of slots; its prefix sum gives the first slot. Ordered by particle index, not in
+///     frame order: neighbours in memory have neighbouring slots, so that a tile's writes lie together and
+///     project_bwd reads slots consecutively.
 __kernel void slot_counts(const uint n,
                           __global const uint* keys,
                           __global const Footprint* footprints,

@@ -1,7 +1,7 @@
 // sort.cl - stable LSD radix sort of (key, value) pairs. Launcher: host/device/render/device/sort.cpp
-// A work-group owns `block` consecutive pairs. CPU: groups of one work-item, 11 bits a pass. GPU: 8 bits; a group
-// puts a tile of its pairs after the other in order in local memory, so that neighbours write to neighbours.
-// Stable, and nothing depends on the order in which work-items run, hence reproducible.
+// A work-group owns `block` consecutive pairs. CPU: groups of one work-item, 11 bits a pass. GPU: 8 bits a
+// pass; a group sorts its pairs tile by tile in local memory, so that neighbours write to neighbouring
+// addresses. The sort is stable and does not depend on the order in which work-items run.
 #include "math/group.h"
 #include "math/lanes.h"
 
@@ -14,7 +14,7 @@
   const uint begin = min(group * block, n); \
   const uint end = min(begin + block, n);
 
-/// out histogram[digit][group]: pairs of each group with that digit.
+/// out histogram[digit][group]: pairs of each group with that digit
 __kernel SIM_GROUP void radix_count(
     __global const uint* keys, const uint n, const uint block, const uint shift, __global uint* histogram) {
   __local uint count[SIM_SORT_DIGITS];
@@ -32,14 +32,15 @@ __kernel SIM_GROUP void radix_count(
 }
 
 #if LS > 1
-#define SIM_SORT_OWN 4  // consecutive pairs of a tile that each work-item orders
+#define SIM_SORT_OWN 4  // consecutive pairs of a tile sorted by each work-item
 #define SIM_SORT_TILE (SIM_SORT_OWN * LS)
-#define SIM_SORT_NIBBLES 16  // digits of 4 bits: two rounds order a tile by 8
+#define SIM_SORT_NIBBLES 16  // digits of 4 bits: two rounds sort a tile by 8 bits
 
-/// Orders a tile by the 4 bits at `shift`, stably.
-/// in  own[SIM_SORT_OWN], place[SIM_SORT_OWN]: keys of the tile at SIM_SORT_OWN * lid, and where in the tile they came from
-/// out keys[SIM_SORT_TILE], from[SIM_SORT_TILE]: the same of the whole tile, in order
-/// count[SIM_SORT_NIBBLES * LS], sums[LS]: for the way
+/// Sorts a tile stably by the 4 bits at `shift`.
+/// in  own[SIM_SORT_OWN], place[SIM_SORT_OWN]: the tile's keys at SIM_SORT_OWN * lid, and their original
+///     positions in the tile
+/// out keys[SIM_SORT_TILE], from[SIM_SORT_TILE]: the sorted keys of the whole tile and their original positions
+/// scratch count[SIM_SORT_NIBBLES * LS], sums[LS]
 FN void order_tile(const uint* own,
                    const uint* place,
                    const uint shift,
@@ -51,7 +52,7 @@ FN void order_tile(const uint* own,
   for (uint d = 0; d < SIM_SORT_NIBBLES; ++d) count[d * LS + lid] = 0;
   SIM_EACH(j, SIM_SORT_OWN) ++count[(own[j] >> shift & (SIM_SORT_NIBBLES - 1)) * LS + lid];
   barrier(CLK_LOCAL_MEM_FENCE);
-  // Counters by digit, then by work-item: each work-item adds up SIM_SORT_NIBBLES that follow each other.
+  // Counters by digit, then by work-item: each work-item sums SIM_SORT_NIBBLES consecutive counters.
   uint sum = 0, total;
   for (uint k = 0; k < SIM_SORT_NIBBLES; ++k) sum += count[lid * SIM_SORT_NIBBLES + k];
   uint before = group_sum_before_uint(sum, sums, &total);
@@ -70,8 +71,9 @@ FN void order_tile(const uint* own,
 }
 #endif
 
+/// Writes pairs to their sorted positions; pairs of equal digit keep their order.
 /// in  base[digit][group]: exclusive prefix sum of the histogram
-/// out sorted pairs; pairs of equal digit keep their order
+/// out sorted pairs
 __kernel SIM_GROUP void radix_scatter(__global const uint* keys,
                                       __global const uint* values,
                                       const uint n,
@@ -108,10 +110,11 @@ __kernel SIM_GROUP void radix_scatter(__global const uint* keys,
     barrier(CLK_LOCAL_MEM_FENCE);
     order_tile(own, place, shift + 4, tile_keys, tile_from, count, sums);
 
-    // What fills up a last tile comes last: its digit is the greatest, and it follows all others that have it.
+    // Padding of a last tile sorts last: its digit is the largest, and it follows all other pairs of that
+    // digit.
     for (uint i = lid; i < here; i += LS) {
       const uint digit = tile_keys[i] >> shift & (SIM_SORT_DIGITS - 1);
-      // The first of each digit: from here on next[] is where the tile's place 0 would go.
+      // First entry of each digit: from here on next[] is the target of the tile's position 0.
       if (i == 0 || (tile_keys[i - 1] >> shift & (SIM_SORT_DIGITS - 1)) != digit) next[digit] -= i;
     }
     barrier(CLK_LOCAL_MEM_FENCE);

@@ -1,25 +1,25 @@
-// support.cl - how well what each ray shows is known from recorded views. Launcher: host/device/support/support.cpp
+// support.cl - how well recorded views support each ray of a frame. Launcher: host/device/support/support.cpp
 #include "math/elementary.h"
 #include "shared/layout.h"
 #include "shared/support.h"
 
-#define SIM_FAR_M R(1e6)        // where rays that meet nothing end
-#define SIM_SAME_DEPTH R(0.03)  // of the distance: what lies that far off a cell's is seen there all the same
-#define SIM_OTHER_DEPTH R(0.06)  // and that much further it is something else
-#define SIM_NEAR_RAD R(0.1)      // a view that looks along another direction tells less: half of that there
-#define SIM_SEEN_ALONE R(1e-3)   // the least that it tells
-#define SIM_APART_M R(0.01)      // half of what it tells when a ray's median and mean distance differ by more
+#define SIM_FAR_M R(1e6)  // end of rays that hit nothing
+#define SIM_SAME_DEPTH R(0.03)  // relative distance from a cell's depth within which a point counts as seen
+#define SIM_OTHER_DEPTH R(0.06)  // further relative distance from which the cell shows another surface
+#define SIM_NEAR_RAD R(0.1)  // angle between viewing directions at which a view's evidence is halved
+#define SIM_SEEN_ALONE R(1e-3)  // smallest evidence of a view
+#define SIM_APART_M R(0.01)  // difference of median and mean distance at which evidence is halved
 #define SIM_LEAST_EXPONENT R(-80.0)
 
-// Of a run of neighbours, rows of SIM_SUPPORT_RUN that lie one behind the other, the second of the middle row is looked
-// up, unless it has no ray.
+// Of a run of neighbouring rays, rows of SIM_SUPPORT_RUN after each other, the second ray of the middle row
+// represents the run, unless it has no ray.
 #define SIM_TELLING(rows) ((rows) / 2 * SIM_SUPPORT_RUN + 1)
 
 FN int has_ray(__global const real* sensor_ray, uint s, uint slot) {
   return sensor_ray[slot] != R(0.0) || sensor_ray[s + slot] != R(0.0) || sensor_ray[2 * s + slot] != R(0.0);
 }
 
-/// What each run's telling slot has.
+/// Loads the value of each run's representative slot.
 FN F of_runs(__global const real* from, const uint* telling) {
   real each[V];
   SIM_EACH(lane, V) each[lane] = from[telling[lane]];
@@ -42,15 +42,15 @@ FN void transform(__global const SupportPose* pose, const F* p, F* out) {
 
 FN F dot_lanes(const F* a, const F* b) { return fma(a[0], b[0], fma(a[1], b[1], a[2] * b[2])); }
 
-/// What views have told of the points so far.
+/// Evidence of the views for the points so far.
 typedef struct {
-  F looks;         // how many have them
-  F angle2;        // the least angle (its chord, squared) between today's ray and one that has them
-  F scale;         // the finest look over today's, at most 1
-  F weight, odds;  // sums by weight
+  F looks;  // number of views that saw them
+  F angle2;  // smallest angle (squared chord) between the current ray and a view's ray
+  F scale;  // finest sampling by a view relative to the current ray, at most 1
+  F weight, odds;  // sums of weights and weighted log odds
 } Told;
 
-/// Adds what one view tells of the points p along d, `range` off.
+/// Adds the evidence of one view for the points p along d at distance `range`.
 FN void look(__global const SupportView* view,
              __global const SupportGrid* grid,
              __global const real* cells,
@@ -66,11 +66,12 @@ FN void look(__global const SupportView* view,
   const F flat = VMAX(sqrt(flat2), (F)R(1e-9));
   const F away = VMAX(sqrt(fma(y[2], y[2], flat2)), (F)R(1e-6));
   const F around = VMAX(fabs(y[0]) + fabs(y[1]), (F)R(1e-9));
-  // 1 - cos of the angle between today's ray and the view's, times `away`.
+  // 1 - cos of the angle between the current ray and the view's ray, times `away`.
   const F bend = VMAX(fma(dot_lanes(from_view, d), (F)-view->enlargement, away), (F)R(0.0));
   const F near = fma(bend, (F)(R(2.0) / (SIM_NEAR_RAD * SIM_NEAR_RAD)), away);
   const F inv_away = R(1.0) / away, along = away / near;
-  // Columns along the sides of the square |x| + |y| = 1, from behind by the right to the front: no arctangent.
+  // Columns along the sides of the square |x| + |y| = 1, from behind via the right to the front: needs no
+  // arctangent.
   const F side = y[1] / around;
   const F behind = SEL(y[1] >= R(0.0), R(2.0) - side, -R(2.0) - side);
   const F column = (SEL(y[0] >= R(0.0), side, behind) - grid->first_column) * grid->columns_per_unit;
@@ -104,7 +105,7 @@ FN void look(__global const SupportView* view,
   told->odds = fma(weight, LDV(of_cell), told->odds);
 }
 
-/// What it says of V LiDAR rays whether, and from where, they return: of the logarithm of odds. `out`: of the first.
+/// Returns the log-odds evidence of V LiDAR rays for whether and where they return. `out`: from the first slot.
 FN F return_odds(__global const real* out, uint s, __global const SupportFrame* trust) {
   const F logit = VMAX(VMIN(LDV(out + SIM_O_DROP * s), (F)-SIM_LEAST_EXPONENT), (F)SIM_LEAST_EXPONENT);
   const F drop = R(1.0) / (R(1.0) + exp_lanes(-logit));
@@ -116,15 +117,13 @@ FN F return_odds(__global const real* out, uint s, __global const SupportFrame* 
   return fma(apart / (apart + SIM_APART_M), (F)trust->apart, odds);
 }
 
-/// V runs of `rows` (1, 2 or 4) times SIM_SUPPORT_RUN slots per work-item: neighbours along a beam, or of a block of
-/// pixels. Where a ray's light comes from is looked up in the views that were recorded, for one ray of a run, since
-/// cells are no finer; whether a LiDAR's rays return is told of each by itself.
-/// in  sensor_ray[7][slots]; ray_of_slot[slots], -1: none; out[6|7][slots] as blended;
-///     grids[count] of the recorded views; boxes[actors]; views[actors + 1][count], from the scene's axes, then from
-///     those of each actor;
-///     cells[][4]: nearest and farthest distance (m), what its error, contrast and depth add to the logarithm of odds,
-///     0
-/// out support[rays]: in [0, 1], of those that have a slot
+/// Computes support. V runs of `rows` (1, 2 or 4) times SIM_SUPPORT_RUN slots per work-item: neighbours along a
+/// beam, or of a pixel block. The views that saw a ray's surface are looked up for one representative ray per
+/// run, because cells are no finer; whether a LiDAR ray returns is evaluated for each ray.
+/// in  sensor_ray[7][slots]; ray_of_slot[slots], -1: none; out[6|7][slots] as blended; grids[count] of the
+///     recorded views; boxes[actors]; views[actors + 1][count], from the scene's axes and from those of each
+///     actor; cells[][4]: nearest and farthest distance (m), packed log-odds of error, contrast and depth, 0
+/// out support[rays] in [0, 1], for rays with a slot
 __kernel void support(const FrameParams frame,
                       const uint actors,
                       const uint count,
@@ -147,7 +146,7 @@ __kernel void support(const FrameParams frame,
   F ray[3], origin[3], from[3], to[3], d[3], p[3];
   uint telling[V];
   SIM_EACH(lane, V) {
-    // The last run again where there are no more.
+    // Repeats the last run beyond the end.
     telling[lane] = min(first_run + lane, runs - 1) * of_run + SIM_TELLING(rows);
   }
   SIM_EACH(k, 3) ray[k] = of_runs(sensor_ray + k * s, telling);
@@ -164,7 +163,7 @@ __kernel void support(const FrameParams frame,
   const F t = of_runs(sensor_ray + 6 * s, telling);
   const F opacity = R(1.0) - of_runs(out + SIM_O_TRANSMITTANCE * s, telling);
   const F along = of_runs(out + SIM_O_DISTANCE * s, telling);
-  // Within a frame a sensor turns by so little that the straight way between the two is as good as the arc.
+  // A sensor rotates so little within a frame that linear interpolation is as good as the arc.
   turn(asked->start.rotation, ray, from);
   turn(asked->end.rotation, ray, to);
   SIM_EACH(k, 3) d[k] = fma(t, to[k] - from[k], from[k]);
@@ -179,7 +178,7 @@ __kernel void support(const FrameParams frame,
   }
 
   Told told = {(F)R(0.0), (F)R(4.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
-  I free = is_one;  // of actors, so far
+  I free = is_one;  // of actors tested so far
   for (uint a = 0; a < actors; ++a) {
     __global const SupportBox* box = boxes + a;
     F q[3], e[3];
@@ -216,7 +215,7 @@ __kernel void support(const FrameParams frame,
       odds_each[lane] = odds_of[(k * V + lane) >> log2_of_run];
       all_each[lane] = all_of[(k * V + lane) >> log2_of_run];
     }
-    // Where views look is alike for neighbours; whether and how surely a LiDAR's ray returns is its own.
+    // Neighbours share views; whether a LiDAR ray returns is individual.
     F of_ray = LDV(odds_each);
     if (drops) of_ray += return_odds(out + first, s, asked);
     const F clamped = VMAX(VMIN(of_ray, (F)-SIM_LEAST_EXPONENT), (F)SIM_LEAST_EXPONENT);
@@ -224,7 +223,8 @@ __kernel void support(const FrameParams frame,
     real each[V];
     STV(each, found);
 #if V > SIM_BLOCK_SIDE
-    // Pictures without holes: between a block's first pixel and its last are all others (checking each costs a tenth).
+    // Pictures have no holes: all slots between the first and the last pixel of a block have rays (checking
+    // each costs a tenth of the time).
     if (in_blocks && ray_of_slot[first] >= 0 && ray_of_slot[first + V - 1] >= 0) {
 #pragma unroll
       for (uint lane = 0; lane < V; lane += SIM_BLOCK_SIDE)
