@@ -78,10 +78,10 @@ __kernel SIM_GROUP void visible_write(__global const uint* keys,
 /// in  order[M]: visible particles by range
 /// out counts[work-items]: pairs of each chunk; the total fits 32 bits
 __kernel SIM_GROUP void pair_count(__global const uint* order,
-                                       const uint m,
-                                       const uint chunk,
-                                       __global const Footprint* footprints,
-                                       __global uint* counts) {
+                                   const uint m,
+                                   const uint chunk,
+                                   __global const Footprint* footprints,
+                                   __global uint* counts) {
   const uint first = min((uint)get_global_id(0) * chunk, m);
   const uint last = min(first + chunk, m);
   uint count = 0;
@@ -97,14 +97,14 @@ __kernel SIM_GROUP void pair_count(__global const uint* order,
 /// out tile[K]; payload[K]: particle | first ray block << 24 | last ray block << 28; for cameras the blocks in
 ///     two opposite corners
 __kernel SIM_GROUP void pair_emit(const FrameParams frame,
-                                      __global const uint* order,
-                                      const uint m,
-                                      const uint chunk,
-                                      __global const Footprint* footprints,
-                                      __global const uint* tile_rows,
-                                      __global const uint* offsets,
-                                      __global uint* tile,
-                                      __global uint* payload) {
+                                  __global const uint* order,
+                                  const uint m,
+                                  const uint chunk,
+                                  __global const Footprint* footprints,
+                                  __global const uint* tile_rows,
+                                  __global const uint* offsets,
+                                  __global uint* tile,
+                                  __global uint* payload) {
   const uint first = min((uint)get_global_id(0) * chunk, m);
   const uint last = min(first + chunk, m);
   uint place = offsets[get_global_id(0)];

@@ -149,7 +149,7 @@ __kernel void draw_sources(const uint count,
   if (i >= listed) targets[i] = first_new + i - listed;
   const Random4 random = philox(seed_low, seed_high, targets[i], iteration, RANDOM_SOURCE, set);
   const uint place = mul_hi(random.word[0], total);  // in [0, total)
-  uint low = 0, high = n - 1;  // largest index whose running sum is at most `place`
+  uint low = 0, high = n - 1;                        // largest index whose running sum is at most `place`
   while (low < high) {
     const uint middle = low + (high - low + 1) / 2;
     if (running[middle] <= place)

@@ -16,10 +16,10 @@
 #define SIM_SSIM_C2 R(9e-4)
 
 typedef struct {
-  uint slot;  // of the strip's first pixel; the next rows' slots are SIM_SLOT_OF_ROW further
-  uint pixel;  // of the strip's first pixel, in a plane
+  uint slot;    // of the strip's first pixel; the next rows' slots are SIM_SLOT_OF_ROW further
+  uint pixel;   // of the strip's first pixel, in a plane
   uint stride;  // of the rows of a plane
-  uint size;  // pixels of a plane
+  uint size;    // pixels of a plane
 } Strip;
 
 /// Returns false for work-items beyond the last strip.

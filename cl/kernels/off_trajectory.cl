@@ -3,7 +3,8 @@
 #include "math/shutter.h"
 #include "shared/layout.h"
 
-#define SIM_OFF_TRAJECTORY_OPAQUE R(0.2)  // largest transmittance behind a single surface; above it the distance is a mixture
+#define SIM_OFF_TRAJECTORY_OPAQUE \
+  R(0.2)  // largest transmittance behind a single surface; above it the distance is a mixture
 #define SIM_OFF_TRAJECTORY_OPEN R(0.95)  // smallest transmittance of an empty ray
 #define SIM_OFF_TRAJECTORY_SAME R(0.03)  // relative distance within which points belong to the same surface
 // Rays without LiDAR surface: smallest distance in m of a hidden surface, number of distances (uniform in
@@ -65,16 +66,16 @@ FN bool colour_at(__global const real* picture,
 ///     ray; picture[3][slots]: recorded, negative: unknown
 /// out shown[3][slots]: -1 where the colour is unknown
 __kernel void off_trajectory(const FrameParams frame,
-                     const uint width,
-                     const uint height,
-                     __global const SensorConstants* now,
-                     __global const real* world_ray,
-                     __global const real* met,
-                     __global const SensorConstants* recorded,
-                     __global const real* seen,
-                     __global const int* slot_of_ray,
-                     __global const real* picture,
-                     __global real* shown) {
+                             const uint width,
+                             const uint height,
+                             __global const SensorConstants* now,
+                             __global const real* world_ray,
+                             __global const real* met,
+                             __global const SensorConstants* recorded,
+                             __global const real* seen,
+                             __global const int* slot_of_ray,
+                             __global const real* picture,
+                             __global real* shown) {
   const uint i = get_global_id(0) * V;
   const uint s = frame.slots;
   if (i >= s) return;
@@ -116,11 +117,12 @@ __kernel void off_trajectory(const FrameParams frame,
       if (!is_asked[lane]) continue;
       const int at = usable[lane] > R(0.0) ? slot_of_ray[(uint)row[lane] * width + (uint)column[lane]] : -1;
       const real there = at < 0 ? R(-1.0) : surface_distance(seen, s, (uint)at);
-      const bool is_past = is_free[lane] && look > 0 && there > (R(1.0) + SIM_OFF_TRAJECTORY_SAME) * away[lane];
+      const bool is_past =
+          is_free[lane] && look > 0 && there > (R(1.0) + SIM_OFF_TRAJECTORY_SAME) * away[lane];
       if (!is_past) {
-        const bool is_it = is_free[lane]
-                               ? at >= 0 && is_open(seen, s, (uint)at)
-                               : there > R(0.0) && fabs(there - away[lane]) <= SIM_OFF_TRAJECTORY_SAME * away[lane];
+        const bool is_it = is_free[lane] ? at >= 0 && is_open(seen, s, (uint)at)
+                                         : there > R(0.0) && fabs(there - away[lane]) <=
+                                                                 SIM_OFF_TRAJECTORY_SAME * away[lane];
         real found[3] = {R(0.0), R(0.0), R(0.0)};
         bool is_known =
             is_it && colour_at(picture, slot_of_ray, s, width, height, column[lane], row[lane], found);

@@ -226,7 +226,8 @@ __kernel void project_bwd(const FrameParams frame,
     SIM_EACH(k, SH_COEFFICIENTS) {
       const uint row = (SIM_SH + 3 * k + channel) * stride + i;
       weight[k] = fma(gf, LDV(params + row), weight[k]);
-      STV(param_grads + row, SEL(live, gf * basis[k], (F)R(0.0)));  // the basis of a culled particle may be NaN
+      STV(param_grads + row,
+          SEL(live, gf * basis[k], (F)R(0.0)));  // the basis of a culled particle may be NaN
     }
   }
 #if SH_DEGREE > 0

@@ -5,9 +5,10 @@
 // A group processes its tile's list in batches: first it finds which work-items have rays that hit which pair,
 // then it sums their gradients. Few work-items hit a pair, and only these have a row of sums, numbered by pair,
 // then by work-item.
-#define SIM_BATCH 32  // pairs; one bit each
+#define SIM_BATCH 32        // pairs; one bit each
 #define SIM_BATCH_ROWS 128  // rows in local memory; a larger batch continues after these have been summed
-#define SIM_ROW (SIM_GRAD + 1)  // the last entry is the blended error; odd, so that columns lie in different banks
+#define SIM_ROW \
+  (SIM_GRAD + 1)  // the last entry is the blended error; odd, so that columns lie in different banks
 #define SIM_WORDS ((LS + 31) / 32)
 // Compilers otherwise unroll loops over local memory and spend registers on each copy.
 #define SIM_ONE_BY_ONE _Pragma("unroll 1")
@@ -17,9 +18,9 @@ typedef struct {
   Quarter quarters[SIM_BATCH * SIM_QUARTERS];
   ulong slot[SIM_BATCH];
   uint payload[SIM_BATCH];
-  uint rows_touched[SIM_BATCH];  // as rows_of(), computed once
+  uint rows_touched[SIM_BATCH];     // as rows_of(), computed once
   uint met[SIM_BATCH * SIM_WORDS];  // [pairs]: one bit per work-item that hits the pair
-  uint row_count[SIM_BATCH];  // per pair
+  uint row_count[SIM_BATCH];        // per pair
   uint row_first[SIM_BATCH + 1];
   real rows[SIM_BATCH_ROWS * SIM_ROW];
   int alive;

@@ -10,7 +10,7 @@ struct Blending {
   F error[NR];
 #endif
 #if RAY_ORDER
-  uint to[NR];  // end of the list entries that each vector processes
+  uint to[NR];                    // end of the list entries that each vector processes
   __global const real* replayed;  // from the first entry of the list
 #else
   F transmittance[NR];

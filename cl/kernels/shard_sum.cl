@@ -10,15 +10,15 @@
 /// io  keys[particles] of the sum, with `mark` set to 0 where `from` has values; sum[first + rows][stride],
 /// from row `first` on
 __kernel void add_rendered(const uint particles,
-                        const uint stride,
-                        const uint rows,
-                        const uint first,
-                        const uint mark,
-                        const real share,
-                        __global const uint* from_keys,
-                        __global const real* from,
-                        __global uint* keys,
-                        __global real* sum) {
+                           const uint stride,
+                           const uint rows,
+                           const uint first,
+                           const uint mark,
+                           const real share,
+                           __global const uint* from_keys,
+                           __global const real* from,
+                           __global uint* keys,
+                           __global real* sum) {
   const uint column = get_global_id(0) * V;
   if (column >= particles) return;
   real shown[V], stood[V];

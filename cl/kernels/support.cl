@@ -3,12 +3,12 @@
 #include "shared/layout.h"
 #include "shared/support.h"
 
-#define SIM_FAR_M R(1e6)  // end of rays that hit nothing
-#define SIM_SAME_DEPTH R(0.03)  // relative distance from a cell's depth within which a point counts as seen
+#define SIM_FAR_M R(1e6)         // end of rays that hit nothing
+#define SIM_SAME_DEPTH R(0.03)   // relative distance from a cell's depth within which a point counts as seen
 #define SIM_OTHER_DEPTH R(0.06)  // further relative distance from which the cell shows another surface
-#define SIM_NEAR_RAD R(0.1)  // angle between viewing directions at which a view's evidence is halved
-#define SIM_SEEN_ALONE R(1e-3)  // smallest evidence of a view
-#define SIM_APART_M R(0.01)  // difference of median and mean distance at which evidence is halved
+#define SIM_NEAR_RAD R(0.1)      // angle between viewing directions at which a view's evidence is halved
+#define SIM_SEEN_ALONE R(1e-3)   // smallest evidence of a view
+#define SIM_APART_M R(0.01)      // difference of median and mean distance at which evidence is halved
 #define SIM_LEAST_EXPONENT R(-80.0)
 
 // Of a run of neighbouring rays, rows of SIM_SUPPORT_RUN after each other, the second ray of the middle row
@@ -44,9 +44,9 @@ FN F dot_lanes(const F* a, const F* b) { return fma(a[0], b[0], fma(a[1], b[1], 
 
 /// Evidence of the views for the points so far.
 typedef struct {
-  F looks;  // number of views that saw them
-  F angle2;  // smallest angle (squared chord) between the current ray and a view's ray
-  F scale;  // finest sampling by a view relative to the current ray, at most 1
+  F looks;         // number of views that saw them
+  F angle2;        // smallest angle (squared chord) between the current ray and a view's ray
+  F scale;         // finest sampling by a view relative to the current ray, at most 1
   F weight, odds;  // sums of weights and weighted log odds
 } Told;
 

@@ -1,6 +1,6 @@
-// actor.h - where the actors are that V particles belong to (METHOD section 2).
-// Build: ACTORS = 1 when particles may belong to actors, ACTOR_MOTION = 1 when actors move during the frame, DEFORM = 1
-// when some actor is not rigid.
+// actor.h - poses of the actors that V particles belong to (METHOD section 2).
+// Build: ACTORS = 1 when particles may belong to actors, ACTOR_MOTION = 1 when actors move during the frame,
+// DEFORM = 1 when some actor is not rigid.
 #ifndef SIMULI_CL_MATH_ACTOR_H
 #define SIMULI_CL_MATH_ACTOR_H
 #include "math/elementary.h"
@@ -19,25 +19,26 @@
 #endif
 
 #if ACTORS
-/// scene_from_actor at one time of the frame. Lanes of the background have rotation 1 and don't move.
+/// scene_from_actor of V lanes at one time of the frame. Background lanes have the identity rotation and do not
+/// move.
 typedef struct {
-  int any;        // some lane is of an actor; else nothing below is set
-  I on;           // lanes that are
-  F there;        // of their opacity: 0 where the actor is not in the frame, 1 of the background
-  F centre[3];    // of the actor, minus o_ref, m
+  int any;        // some lane belongs to an actor; otherwise the members below are not set
+  I on;           // lanes of actors
+  F there;        // factor of their opacity: 0 for an actor absent from the frame, 1 for the background
+  F centre[3];    // actor's origin minus o_ref, m
   F rotation[9];  // row-major
 #if DEFORM
-  F reach;  // the farthest that particles are from where they belong, m
+  F reach;  // largest offset of particles by deformation, m
 #endif
 #if ACTOR_MOTION
-  F step[3];  // centre at the end minus centre at the start
-  F axis[3];  // of the turn from start to end, scene axes
-  F angle;    // rad, of that turn
+  F step[3];  // origin at the end minus origin at the start
+  F axis[3];  // axis of the rotation from start to end, scene axes
+  F angle;    // angle of that rotation, rad
 #endif
 } ActorLanes;
 
-/// Those of particles i .. i+V-1, half-way through the frame.
-/// in actor_of[stride]: 0 or 1 + the actor; actors[1 + A]
+/// Loads the actors of particles i .. i+V-1 at mid-frame.
+/// in  actor_of[stride]: 0 or 1 + the actor; actors[1 + A]
 FN void load_actors(__global const uint* actor_of,
                     __global const ActorConstants* actors,
                     uint i,
@@ -84,7 +85,7 @@ FN void load_actors(__global const uint* actor_of,
 }
 
 #if ACTOR_MOTION
-/// The actors' turn from half-way to time t, row-major (Rodrigues).
+/// The actors' rotation from mid-frame to time t, row-major (Rodrigues).
 FN void actor_turn(const ActorLanes* a, F t, F* m) {
   F sine, cosine;
   sincos_lanes(a->angle * (t - R(0.5)), &sine, &cosine);
@@ -102,7 +103,8 @@ FN void actor_turn(const ActorLanes* a, F t, F* m) {
   m[7] += x;
 }
 
-/// Where the point o_ref + p of half-way is at time t, minus o_ref; `turn` of actor_turn for that time.
+/// Position at time t, minus o_ref, of the point at o_ref + p at mid-frame; `turn` from actor_turn for that
+/// time.
 FN void actor_carry(const ActorLanes* a, const F* turn, F t, const F* p, F* out) {
   const F arm[3] = {p[0] - a->centre[0], p[1] - a->centre[1], p[2] - a->centre[2]};
   F turned[3];
@@ -112,7 +114,7 @@ FN void actor_carry(const ActorLanes* a, const F* turn, F t, const F* p, F* out)
   }
 }
 
-/// The farthest that points within `radius` of o_ref + p get during the frame, m; 0 at rest.
+/// Largest displacement in m during the frame of points within `radius` of o_ref + p; 0 at rest.
 FN F actor_travel(const ActorLanes* a, const F* p, F radius) {
   F arm2 = (F)R(0.0), step2 = (F)R(0.0);
   SIM_EACH(k, 3) {

@@ -1,9 +1,8 @@
-// camera.h - the image of a point under every camera model: one text for the device (float or double, any
-// number of lanes) and for the host (double; host/core/sensors/lens/lens_forward.hpp gives F, I, SEL, ... there).
-// A point (x, y, z) in m in the camera frame (x right, y down, z forward) has the image (u, v) in focal
-// lengths from the principal point. `valid` is cleared where it has none: outside the domain in which the
-// map is one to one (LensConstants, found on the host), or nearer than 1 cm. Nothing is
-// clamped back into the picture.
+// camera.h - projection of points by every camera model: one text for the device (float or double, any number
+// of lanes) and for the host (double; host/core/sensors/lens/lens_forward.hpp defines F, I, SEL, ... there).
+// A point (x, y, z) in m in the camera frame (x right, y down, z forward) has the image (u, v) in focal lengths
+// from the principal point. `valid` is cleared where it has none: outside the domain in which the map is
+// injective (LensConstants, found on the host), or nearer than 1 cm. No image is clamped into the picture.
 #ifndef SIMULI_CL_MATH_CAMERA_H
 #define SIMULI_CL_MATH_CAMERA_H
 #ifndef __cplusplus
@@ -16,17 +15,17 @@
 #define CAMERA_NEAR R(0.01)       // m
 #define PINHOLE_COS2_MIN R(0.01)  // z >= 0.1 of the distance: about 84 degrees off axis
 #define FTHETA_MAX_ITERATIONS 32
-#define BEND_STEPS 4  // from a degree off to the last bit of a double
+#define BEND_STEPS 4  // iterations from an error of one degree to double precision
 
-/// Distorted coordinates, their Jacobian, and whether the map keeps its orientation there.
+/// Distorted coordinates, their Jacobian, and whether the map preserves orientation there.
 typedef struct {
   F u, v;
   F u_x, u_y, v_x, v_y;
   I regular;
 } Distorted;
 
-/// The rational radial, tangential and thin-prism distortion of OpenCV at (x, y) = (X, Y) / Z.
-/// k: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4
+/// OpenCV's rational radial, tangential and thin-prism distortion at (x, y) = (X, Y) / Z. k: k1 k2 p1 p2 k3 k4
+/// k5 k6 s1 s2 s3 s4
 FN void distort(REALS k, F x, F y, Distorted* out) {
   const real k1 = k[0], k2 = k[1], p1 = k[2], p2 = k[3], k3 = k[4], k4 = k[5], k5 = k[6], k6 = k[7];
   const real s1 = k[8], s2 = k[9], s3 = k[10], s4 = k[11];
@@ -38,7 +37,7 @@ FN void distort(REALS k, F x, F y, Distorted* out) {
   const F scale = above * inv;
   out->u = fma(x, scale, R(2.0) * p1 * x * y + p2 * fma((F)R(2.0), x * x, r2) + r2 * fma(r2, (F)s2, (F)s1));
   out->v = fma(y, scale, R(2.0) * p2 * x * y + p1 * fma((F)R(2.0), y * y, r2) + r2 * fma(r2, (F)s4, (F)s3));
-  // d scale / d r^2, twice, and the thin prism's share of the derivative by r^2, twice.
+  // Twice d scale / d r^2, and twice the thin prism's part of the derivative by r^2.
   const F above_1 = fma(r2, fma(r2, (F)(R(3.0) * k3), (F)(R(2.0) * k2)), (F)k1);
   const F below_1 = fma(r2, fma(r2, (F)(R(3.0) * k6), (F)(R(2.0) * k5)), (F)k4);
   const F slope = R(2.0) * (above_1 - scale * below_1) * inv;
@@ -52,7 +51,7 @@ FN void distort(REALS k, F x, F y, Distorted* out) {
   out->regular = AND(finite, out->u_x * out->v_y > out->u_y * out->v_x);
 }
 
-/// A polynomial of two angles (SIM_BEND_TERMS coefficients) and its slopes.
+/// Evaluates a polynomial of two angles (SIM_BEND_TERMS coefficients) and its partial derivatives.
 FN void bend_polynomial(REALS c, F a, F b, F* value, F* by_a, F* by_b) {
   F sum = (F)R(0.0), slope_a = sum, slope_b = sum;
   for (int j = 5; j >= 0; --j) {
@@ -71,7 +70,7 @@ FN void bend_polynomial(REALS c, F a, F b, F* value, F* by_a, F* by_b) {
   *by_b = slope_b;
 }
 
-/// A step of Newton's from (*at_a, *at_b) to where the polynomials h and v are a and b; whether they keep the
+/// One Newton step from (*at_a, *at_b) towards the solution of h = a, v = b; returns whether the map preserves
 /// orientation there.
 FN I bend_step(REALS h, REALS v, F a, F b, F* at_a, F* at_b) {
   F miss_a, h_a, h_b, miss_b, v_a, v_b;
@@ -87,9 +86,10 @@ FN I bend_step(REALS h, REALS v, F a, F b, F* at_a, F* at_b) {
   return regular;
 }
 
-/// A point before a windshield is moved to where rays come from behind it, as far away: a = asin(x / r) and
-/// b = asin(y / r) become polynomials of both (NCore's bivariate windshield). Polynomials of the way back are solved by
-/// Newton's steps from those of about the way there.
+/// Moves a point in front of a windshield to the direction from which its ray arrives behind the windshield, at
+/// the same distance: a = asin(x / r) and b = asin(y / r) are replaced by polynomials of both (NCore's
+/// bivariate windshield). Polynomials given for the opposite direction are inverted by Newton steps from an
+/// approximate inverse.
 FN void bend_point(LENS_CONSTANTS lens, int is_backward, F* x, F* y, F* z, I* valid) {
   const F r = sqrt(*x * *x + *y * *y + *z * *z);
   const I ok = AND(r > CAMERA_NEAR, *z > lens->bend_cos_min * r);
@@ -132,8 +132,8 @@ FN void opencv_pinhole_image(LENS_CONSTANTS lens, F x, F y, F z, F* u, F* v, I* 
   distort(lens->distortion, a, b, &d);
   *u = d.u;
   *v = d.v;
-  // The determinant turns negative at the fold, whose radius depends on the direction; beyond the largest
-  // of these radii it may turn back.
+  // The determinant becomes negative at the fold, whose radius depends on the direction; beyond the largest
+  // fold radius it may become positive again.
   *valid = AND(*valid, AND(d.regular, fma(a, a, b * b) <= lens->radius2_max));
 }
 
@@ -168,8 +168,8 @@ FN F polynomial5_slope(REALS a, F t) {
       (F)a[0]);
 }
 
-/// t in [0, t_max] with polynomial5(a, t) = value, for a polynomial that increases there: Newton's steps,
-/// halved intervals where they lead out of the bracket. It ends when no lane moves any more.
+/// Solves polynomial5(a, t) = value for t in [0, t_max], for an increasing polynomial: Newton steps, bisection
+/// when they leave the bracket. Ends when no lane changes.
 FN F polynomial5_inverse(REALS a, F value, real t_max) {
   F low = (F)R(0.0), high = (F)t_max;
   F t = VMIN(value * (R(1.0) / a[0]), high);
@@ -212,7 +212,8 @@ FN void ftheta_inverse_image(LENS_CONSTANTS lens, F x, F y, F z, F* u, F* v, I* 
   *valid = AND(*valid, ok);
 }
 
-/// The unified model: onto the unit sphere, from there to the plane z = 1 as seen from (0, 0, -xi), distorted.
+/// The unified (Mei) model: projects to the unit sphere, then to the plane z = 1 from (0, 0, -xi), then
+/// distorts.
 FN void mei_image(LENS_CONSTANTS lens, F x, F y, F z, F* u, F* v, I* valid) {
   const F r = sqrt(x * x + y * y + z * z);
   const I ok = AND(r > CAMERA_NEAR, z > lens->cos_min * r);

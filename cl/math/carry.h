@@ -1,18 +1,18 @@
-// carry.h - points of particles that ride on an actor, in the sensor's frame at a time of the frame.
+// carry.h - points of particles on moving actors, in the sensor frame at a time of the frame.
 #ifndef SIMULI_CL_MATH_CARRY_H
 #define SIMULI_CL_MATH_CARRY_H
 #include "math/gaussian.h"
 #include "math/sensor.h"
 
-/// In place of a particle, for points that stand where they are. No null pointer: AMD's compiler, whose private one is
-/// not 0, keeps whatever it is compared with in memory.
+/// Makes a particle that does not move, for points at rest. Not a null pointer: AMD's compiler, whose private
+/// null is not 0, keeps compared pointers in memory.
 FN void stand_still(Gaussian* g) {
 #if ACTORS
   g->actor.any = 0;
 #endif
 }
 
-/// Sensor-frame coordinates at time t of the point of particle g that is at o_ref + p half-way through the frame.
+/// Sensor-frame coordinates at time t of the point of particle g that is at o_ref + p at mid-frame.
 FN void sensor_from_particle_point(
     __global const SensorConstants* sensor, const Gaussian* g, const F* p, F t, F* out) {
 #if ACTOR_MOTION
@@ -27,7 +27,7 @@ FN void sensor_from_particle_point(
   sensor_from_world_point(sensor, p, t, out);
 }
 
-/// Bound on how far points within `radius` of the particle's centre are carried during the frame, m.
+/// Upper bound of the displacement in m during the frame of points within `radius` of the particle's centre.
 FN F carried(const Gaussian* g, F radius) {
 #if ACTOR_MOTION
   if (g->actor.any) return actor_travel(&g->actor, g->offset, radius);

@@ -1,15 +1,15 @@
-// cluster_culling.h - whether a frame may see any particle of a cluster at all (METHOD section 4).
+// cluster_culling.h - conservative visibility test of a cluster (METHOD section 4).
 #ifndef SIMULI_CL_MATH_CLUSTER_CULLING_H
 #define SIMULI_CL_MATH_CLUSTER_CULLING_H
 #include "math/extent.h"
 #include "shared/cluster.h"
 
-// What rounding may move a particle by in its own test and a cluster in this one, as a share of the distance: twice
-// the angle whose cosine float cannot tell from 1, sqrt(20 * 2^-24), and as much again.
+// Largest difference by rounding between a particle's own test and its cluster's, as a share of the distance:
+// twice the angle whose cosine float cannot distinguish from 1, sqrt(20 * 2^-24), doubled.
 #define CLUSTER_MARGIN R(4e-3)
 
-/// False in lanes of which may_be_seen() (project.cl) is false for every particle of the cluster, its every bound
-/// replaced by the ball around all of theirs. True where that is not known: what is not a number keeps a cluster.
+/// Returns false in lanes where may_be_seen() (project.cl) is false for every particle of the cluster, tested
+/// with the bounding ball of all of them. Returns true where that is unknown: NaN keeps a cluster.
 /// in  bounds[SIM_CLUSTER_ROWS][stride] from cluster i on; actor_of[stride], actors[1 + A] with ACTORS
 FN I cluster_may_be_seen(const FrameParams* frame,
                          __global const SensorConstants* sensor,
@@ -41,7 +41,7 @@ FN I cluster_may_be_seen(const FrameParams* frame,
 #endif
   const F distance = sqrt(offset[0] * offset[0] + offset[1] * offset[1] + offset[2] * offset[2]);
   const F farthest = distance + means;
-  // The largest radius of a particle: its reach times its widest filtered scale.
+  // Largest radius of a particle: its reach times its largest filtered scale.
   const F logit = VMAX(VMIN(LDV(bounds + SIM_C_OPACITY * stride), (F)R(80.0)), (F)R(-80.0));
   const F qmax = R(1e-3) - R(2.0) * (log(R(1.0) + exp_lanes(-logit)) + log(sensor->alpha_cut));
   const F scale = exp_lanes(LDV(bounds + SIM_C_LOG_SCALE * stride));
@@ -54,7 +54,7 @@ FN I cluster_may_be_seen(const FrameParams* frame,
   F ball = means + radius + R(0.5) * travel + CLUSTER_MARGIN * farthest;
   away = OR(away, OR(qmax <= R(0.0), distance - ball >= sensor->model.t_max + origin_reach(frame, sensor)));
 #if DETAIL
-  // None of them yet, or all of them gone.
+  // All particles not yet present, or all gone.
   const F slack = means + CLUSTER_MARGIN * farthest;
   away = OR(away, distance + slack <= sensor->detail_reach * LDV(bounds + SIM_C_FROM * stride));
   const F gone = (R(SIM_DETAIL_FADE) * sensor->detail_reach) * LDV(bounds + SIM_C_UNTIL * stride);

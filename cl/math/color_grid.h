@@ -1,6 +1,6 @@
-// color_grid.h - slicing a bilateral grid of affine colour transforms: forward and backward share it.
-// Build: GRID_X, GRID_Y, GRID_Z >= 2 vertices. A vertex is 16 reals: 3 rows of 4, the last column added; 4
-// unused.
+// color_grid.h - slices a bilateral grid of affine colour transforms, for the forward and the backward pass.
+// Build: GRID_X, GRID_Y, GRID_Z >= 2 vertices. A vertex has 16 reals: 3 rows of 4, the last column is added; 4
+// are unused.
 #ifndef SIMULI_CL_MATH_COLOR_GRID_H
 #define SIMULI_CL_MATH_COLOR_GRID_H
 #include "math/lanes.h"
@@ -8,11 +8,11 @@
 #define GRID_VERTEX 16
 typedef REAL_VECTOR(16) Vertex;
 
-// Vertices stand y, x, z: those of one column follow each other.
+// Vertices are stored in the order y, x, z, so that vertices of one column are consecutive.
 #define GRID_AT(x, y, z) ((((y)*GRID_X + (x)) * GRID_Z) + (z))
 
-/// Cell of pixel `i` of `size` along an axis of `vertices`, and its place there: in integers, so that all
-/// passes agree to the bit. The first and the last vertex stand on the picture's borders.
+/// Returns the cell of pixel `i` of `size` along an axis with `vertices`, and the fraction within it, computed
+/// in integers so that all passes agree exactly. The first and the last vertex are on the picture's borders.
 FN uint grid_cell(uint i, uint size, uint vertices, real* fraction) {
   const uint scaled = (2 * i + 1) * (vertices - 1);
   const uint cell = min(scaled / (2 * size), vertices - 2);
@@ -20,7 +20,7 @@ FN uint grid_cell(uint i, uint size, uint vertices, real* fraction) {
   return cell;
 }
 
-/// First pixel of a cell; that of the next one ends it. `cell` == vertices - 1 gives the size.
+/// Returns the first pixel of a cell, which ends the previous cell; `cell` == vertices - 1 gives the size.
 FN uint grid_cell_begin(uint cell, uint size, uint vertices) {
   if (cell >= vertices - 1) return size;
   const uint edge = 2 * cell * size;
@@ -28,22 +28,22 @@ FN uint grid_cell_begin(uint cell, uint size, uint vertices) {
   return edge <= step ? 0 : (edge - step + 2 * step - 1) / (2 * step);
 }
 
-/// The transform at a pixel, and what else its gradient needs.
+/// The transform at a pixel and the inputs of its gradient.
 typedef struct {
-  uint corner[4];  // vertex (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1) at the lower z
+  uint corner[4];  // vertices (x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1) at the lower z
   real weight[4];
   real fz;  // weight of z + 1
   uint z;
-  real z_slope;  // d(place along z)/d(luminance): 0 where the luminance is beyond [0, 1]
+  real z_slope;  // d(position along z)/d(luminance): 0 for luminances outside [0, 1]
   Vertex transform;
-  Vertex along_z;  // its derivative by the place along z
+  Vertex along_z;  // derivative by the position along z
 } GridSlice;
 
 #define LUMINANCE_R R(0.299)
 #define LUMINANCE_G R(0.587)
 #define LUMINANCE_B R(0.114)
 
-/// The lower level of a pixel's cell; fz: weight of the next one; z_slope as GridSlice.
+/// Returns the lower level of a pixel's cell; fz: weight of the next level; z_slope as in GridSlice.
 FN uint grid_level(const real* rgb, real* fz, real* z_slope) {
   const real luminance = fma(LUMINANCE_R, rgb[0], fma(LUMINANCE_G, rgb[1], LUMINANCE_B * rgb[2]));
   const int inside = luminance > R(0.0) && luminance < R(1.0);
@@ -74,7 +74,7 @@ FN void grid_slice(
   s->transform = low + s->fz * s->along_z;
 }
 
-/// m times (rgb, 1), as vectors: a CPU takes elements out of a vertex one by one otherwise.
+/// Computes m (rgb, 1) with vectors: otherwise CPU compilers extract elements of a vertex one by one.
 FN void grid_apply(Vertex m, const real* rgb, real* out) {
   const REAL_VECTOR(4) product = m.s048c * rgb[0] + m.s159d * rgb[1] + m.s26ae * rgb[2] + m.s37bf;
   out[0] = product.s0;

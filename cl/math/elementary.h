@@ -1,5 +1,5 @@
-// elementary.h - exp, atan2 and friends on lanes. Float: polynomials, since the built-in ones are scalar
-// calls on CPU drivers (3-13 ns each); double: the built-in functions.
+// elementary.h - exp, atan2 and related functions on lanes. Float: polynomials, because the built-in functions
+// are scalar calls on CPU drivers (3-13 ns each); double: the built-in functions.
 #ifndef SIMULI_CL_MATH_ELEMENTARY_H
 #define SIMULI_CL_MATH_ELEMENTARY_H
 #include "math/lanes.h"
@@ -32,7 +32,7 @@ FN F round_lanes(F x) { return (x + ROUND_MAGIC) - ROUND_MAGIC; }
 FN F exp_lanes(F x) {
   const F scaled = x * 1.44269504f;
   const F magic = scaled + ROUND_MAGIC;
-  // x - n ln 2 in two steps: the rounding of x * log2(e) alone would cost |x| * 6e-8.
+  // x - n ln 2 in two steps: rounding x * log2(e) alone would cost |x| * 6e-8.
   const F n = magic - ROUND_MAGIC;
   const F f = fma(x, (F)1.44269504f, -n) + x * 1.92596299e-8f;
   F p = fma((F)0.0013276472f, f, (F)0.00967554174f);
@@ -46,7 +46,7 @@ FN F exp_lanes(F x) {
 /// Sine and cosine of |x| < 1000 rad within 2e-7; minimax polynomials on [-pi/4, pi/4].
 FN void sincos_lanes(F x, F* sine, F* cosine) {
   const F quarter = round_lanes(x * 0.636619772f);
-  // pi / 2 in two parts: the first alone is wrong by 4e-8.
+  // pi / 2 in two parts: the first alone has an error of 4e-8.
   F r = fma(quarter, (F)-1.57079637f, x);
   r = fma(quarter, (F)4.37113883e-8f, r);
   const F r2 = r * r;
@@ -56,7 +56,7 @@ FN void sincos_lanes(F x, F* sine, F* cosine) {
   F c = fma((F)2.44312046e-5f, r2, (F)-0.0013887306f);
   c = fma(c, r2, (F)0.0416666457f);
   c = fma(c * r2, r2, fma(r2, (F)-0.5f, (F)1.0f));
-  // Odd quarters swap the two, the second half of the turn changes the signs.
+  // Odd quarters swap sine and cosine; the second half of the period changes their signs.
   const F half_turns = round_lanes(quarter * 0.5f - 0.25f);
   const F odd = quarter - 2.0f * half_turns;
   const F sign = 1.0f - 2.0f * fabs(half_turns - 2.0f * round_lanes(half_turns * 0.5f));
@@ -66,7 +66,7 @@ FN void sincos_lanes(F x, F* sine, F* cosine) {
   *cosine = second * sign;
 }
 
-/// atan2(y, x) within 3e-7 rad (near pi a float is 2.4e-7 from the next), 3.8e-7 where a division errs by the 2.5 ulp
+/// atan2(y, x) within 3e-7 rad (near pi floats are 2.4e-7 apart), 3.8e-7 where divisions have the 2.5 ulp error
 /// that OpenCL allows; atan2(0, 0) = 0. Minimax polynomial of atan on [0, 1].
 FN F atan2_lanes(F y, F x) {
   const F ax = fabs(x);
@@ -88,7 +88,7 @@ FN F atan2_lanes(F y, F x) {
 }
 #endif
 
-/// Lanes that hold a ray: a direction of zero marks slots without one, and rays that are done.
+/// Lanes with an active ray: slots without a ray and terminated rays have a zero direction.
 FN I is_ray(F x, F y, F z) { return OR(OR(x != R(0.0), y != R(0.0)), z != R(0.0)); }
 
 /// x wrapped to [-period/2, period/2].

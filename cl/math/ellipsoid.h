@@ -1,35 +1,36 @@
 // ellipsoid.h - the cutoff ellipsoid of a particle {x : (x - mu)^T S^-1 (x - mu) <= qmax}, outside of which no
-// ray gets alpha >= alpha_cut, as a sensor sees it: its axes in the sensor frame, the planes through the sensor
-// that touch it, its angles. Rays that start or fire elsewhere than in the pose looked from see a shifted
-// ellipsoid: it is blown up by how far it may be shifted. Nothing here is ever too small.
+// ray has alpha >= alpha_cut, in the sensor frame: its axes, tangent planes through the sensor, and angular
+// bounds.
+// Rays with other origins or times than the reference pose see a shifted ellipsoid; the ellipsoid is enlarged
+// by the largest shift. All bounds are conservative.
 #ifndef SIMULI_CL_MATH_ELLIPSOID_H
 #define SIMULI_CL_MATH_ELLIPSOID_H
 #include "math/unscented.h"
 
-/// The ellipsoid p + sum_k z_k a_k, |z| <= 1, in the sensor frame, its matrix B = sum_k a_k a_k^T taken to
-/// chunk * B + more * I, which contains it moved by anything up to `shift`.
+/// The ellipsoid p + sum_k z_k a_k, |z| <= 1, in the sensor frame. Its matrix B = sum_k a_k a_k^T is enlarged
+/// to share * B + more * I, which contains the ellipsoid shifted by up to `shift`.
 typedef struct {
-  F p[3];     // m; of a LiDAR from its reference height
+  F p[3];     // m; for a LiDAR relative to its reference height
   F a[3][3];  // a[coordinate][k], m
-  F chunk, more;
-  F ball;  // m, radius of a ball that contains it
+  F share, more;
+  F ball;  // radius in m of a ball that contains it
 } Ellipsoid;
 
-/// How far particle g, `distance` away at the middle of [first, last], is shifted at most as rays of these times see
-/// it beside where it is at the middle, m.
+/// Upper bound in m of the shift of particle g at distance `distance`, seen by rays with times in [first,
+/// last], relative to its position at the middle of the interval.
 FN F shift_within(
     __global const SensorConstants* sensor, const Gaussian* g, F radius, F distance, F first, F last) {
   F shift = (F)sensor->model.lever;
 #if MOVING
-  // A turn by d moves a point by at most d times its distance.
+  // A rotation by d moves a point by at most d times its distance.
   const real step = centre_path(sensor);
   shift += R(0.5) * (last - first) * (step + carried(g, radius) + sensor->turn_angle * (distance + radius));
 #endif
   return shift;
 }
 
-/// The ellipsoid as seen by every ray whose time is in [first, last].
-/// Minkowski sum with a ball: (1 + 1/c) B + (1 + c) m^2 I for any c > 0, here c = sqrt(tr B / 3) / m.
+/// Enlarges the ellipsoid for all rays with times in [first, last]. Minkowski sum with a ball: (1 + 1/c) B + (1
+/// + c) m^2 I for any c > 0, here c = sqrt(tr B / 3) / m.
 FN void seen_ellipsoid(__global const SensorConstants* sensor,
                        const Gaussian* g,
                        F reach,
@@ -71,29 +72,29 @@ FN void seen_ellipsoid(__global const SensorConstants* sensor,
   const F distance = sqrt(e->p[0] * e->p[0] + e->p[1] * e->p[1] + e->p[2] * e->p[2]);
   const F shift = shift_within(sensor, g, radius, distance, first, last);
   e->p[2] -= sensor->model.height;
-  const F mean = VMAX(sqrt(trace * R(0.33333333333333333)), (F)R(1e-6));  // of the radii; c may be any
-  e->chunk = R(1.0) + shift / mean;
+  const F mean = VMAX(sqrt(trace * R(0.33333333333333333)), (F)R(1e-6));  // of the radii; any c is valid
+  e->share = R(1.0) + shift / mean;
   e->more = shift * (shift + mean);
   e->ball = radius + shift;
 }
 
-/// Slopes across / along of the two tangents from the origin to an ellipse whose centre is `far` along, with
-/// the second moments along, mixed, across: s^2 (far^2 - along) + 2 s mixed - across = 0. False where the
-/// origin is inside, or so near that tangents run off. low <= 0 <= high.
+/// Slopes (across / along) of the two tangents from the origin to an ellipse with its centre at distance `far`
+/// along the axis and the second moments along, mixed, across: s^2 (far^2 - along) + 2 s mixed - across = 0.
+/// Returns false where the origin is inside, or so near that tangents are unbounded. low <= 0 <= high.
 FN I tangent_slopes(F far2, F along, F mixed, F across, F* low, F* high) {
   const I outside = far2 - along > R(1e-4) * far2;
   const F room = SEL(outside, far2 - along, (F)R(1.0));
-  // The two roots without cancellation: their product is -across / room.
+  // Both roots without cancellation: their product is -across / room.
   const F sum = fabs(mixed) + sqrt(fma(mixed, mixed, across * room));
   const F large = sum / room;
   const F small = SEL(sum > R(0.0), across / SEL(sum > R(0.0), sum, (F)R(1.0)), (F)R(0.0));
   *low = SEL(mixed > R(0.0), -large, -small);
   *high = SEL(mixed > R(0.0), small, large);
-  return AND(outside, sum < R(1e18));  // else squares may have left the range of floats
+  return AND(outside, sum < R(1e18));  // otherwise squares may have overflowed floats
 }
 
-/// Tangents to the ellipsoid's shadow on a plane, with the centre at (pu, pv) and the axes (au[k], av[k]).
-/// The slopes are those off the line of sight, positive from u towards v.
+/// Tangents to the ellipsoid's projection on a plane, with the centre at (pu, pv) and the axes (au[k], av[k]).
+/// Slopes are relative to the line of sight, positive from u towards v.
 FN I shadow_slopes(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* low, F* high) {
   const F far2 = fma(pu, pu, pv * pv);
   const F inv = SEL(far2 > R(0.0), R(1.0) / sqrt(SEL(far2 > R(0.0), far2, (F)R(1.0))), (F)R(0.0));
@@ -106,18 +107,18 @@ FN I shadow_slopes(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* 
     across = fma(w, w, across);
   }
   return tangent_slopes(
-      far2, fma(e->chunk, along, e->more), e->chunk * mixed, fma(e->chunk, across, e->more), low, high);
+      far2, fma(e->share, along, e->more), e->share * mixed, fma(e->share, across, e->more), low, high);
 }
 
-/// The slope of tangents to a ball off the line to its centre, NO_BOUND where they run off.
+/// Slope of tangents to a ball relative to the line to its centre; NO_BOUND where they are unbounded.
 FN F ball_slope(F distance2, F ball) {
   const F room = fma(ball, -ball, distance2);
   const I outside = room > R(1e-4) * distance2;
   return SEL(outside, ball / sqrt(SEL(outside, room, (F)R(1.0))), (F)NO_BOUND);
 }
 
-/// Bounds of v / u between the lines through the origin of slopes [right, left] off the direction (pu, pv), where
-/// u > 0; +-NO_BOUND where there is none.
+/// Bounds of v / u between the lines through the origin with slopes [right, left] relative to the direction
+/// (pu, pv), where u > 0; +-NO_BOUND where there is no bound.
 FN void slope_ratios(F pu, F pv, I bounded, F right, F left, F* low, F* high) {
   SIM_EACH(end, 2) {
     const F slope = end == 0 ? right : left;
@@ -129,15 +130,15 @@ FN void slope_ratios(F pu, F pv, I bounded, F right, F left, F* low, F* high) {
   }
 }
 
-/// The same over the shadow.
+/// The same bounds for the ellipsoid's projection.
 FN void shadow_ratios(const Ellipsoid* e, F pu, F pv, const F* au, const F* av, F* low, F* high) {
   F right, left;
   const I outside = shadow_slopes(e, pu, pv, au, av, &right, &left);
   slope_ratios(pu, pv, outside, right, left, low, high);
 }
 
-/// Azimuth atan2(b, a) and elevation atan2(c, hypot(a, b)) of the coordinates a, b, c: the interval
-/// azimuth + [from, to] and [low, high], rad.
+/// Bounds of azimuth atan2(b, a) and elevation atan2(c, hypot(a, b)) of coordinates a, b, c: azimuth + [from,
+/// to] and [low, high], rad.
 FN void spherical_extent(
     const Ellipsoid* e, int a, int b, int c, F* azimuth, F* from, F* to, F* low, F* high) {
   const F pa = e->p[a], pb = e->p[b], pc = e->p[c];
@@ -149,17 +150,16 @@ FN void spherical_extent(
   *from = SEL(aside, atan2_lanes(right, (F)R(1.0)), (F)-NO_BOUND);
   *to = SEL(aside, atan2_lanes(left, (F)R(1.0)), (F)NO_BOUND);
 
-  // In any case all points are within the ball, and no point of a cap is farther off in elevation than its
-  // angle.
+  // All points are within the ball, and no point of a cap differs in elevation by more than the cap's angle.
   const F elevation = atan2_lanes(pc, flat);
   const F room = fma(pc, pc, flat2) - e->ball * e->ball;
   const F cap = SEL(room > R(0.0), atan2_lanes(e->ball, sqrt(VMAX(room, (F)R(0.0)))), (F)R(4.0));
   *low = elevation - cap;
   *high = elevation + cap;
 
-  // Planes through the origin that contain the horizontal across the line of sight: c <= u a' for all points,
-  // a' their horizontal coordinate along it. The horizontal distance is in [a', a' / cos(azimuth off the
-  // line)]: c / distance is at most u where u >= 0, else u times the least cosine.
+  // Planes through the origin that contain the horizontal line across the line of sight: c <= u a' for all
+  // points, with a' their horizontal coordinate along it. The horizontal distance is in [a', a' / cos(azimuth
+  // relative to the line)], so c / distance is at most u where u >= 0, else u times the smallest cosine.
   const F inv = R(1.0) / SEL(aside, flat, (F)R(1.0));
   F along[3];
   SIM_EACH(k, 3) along[k] = fma(pa, e->a[a][k], pb * e->a[b][k]) * inv;

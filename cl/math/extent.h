@@ -1,5 +1,5 @@
-// extent.h - where on the sensor a particle can contribute at all: extent = exact (METHOD section 4). Bounds of
-// the cutoff ellipsoid (ellipsoid.h) in pixels or spin angle and elevation, never too small.
+// extent.h - exact bounds of a particle on the sensor: extent = exact (METHOD section 4). Bounds of the cutoff
+// ellipsoid (ellipsoid.h) in pixels or in spin angle and elevation, conservative.
 #ifndef SIMULI_CL_MATH_EXTENT_H
 #define SIMULI_CL_MATH_EXTENT_H
 #include "math/lens_extent.h"
@@ -10,7 +10,7 @@
 #define EXTENT EXTENT_UNSCENTED
 #endif
 
-// Rounding of floats: the bounds are this much wider than the mathematics (share of the half width, px, rad).
+// Margin for float rounding added to the mathematical bounds (share of the half width, px, rad).
 #define PAD_SHARE R(1e-3)
 #define PAD_PX R(0.02)
 #define PAD_RAD R(3e-6)
@@ -21,7 +21,8 @@ typedef struct {
 } Extent;
 
 #if SENSOR == SENSOR_CAMERA
-/// What is left of these pixels in and just around the picture: else a far end would round the near one away.
+/// Clips pixel bounds to slightly more than the picture, because a distant end would lose the precision of the
+/// near one.
 FN void picture_extent(__global const SensorConstants* sensor, F x0, F x1, F y0, F y1, Extent* out) {
   const real width = sensor->model.picture_width + R(1.0), height = sensor->model.picture_height + R(1.0);
   const F pad_x = fma((F)PAD_SHARE, x1 - x0, (F)PAD_PX), pad_y = fma((F)PAD_SHARE, y1 - y0, (F)PAD_PX);
@@ -34,7 +35,8 @@ FN void picture_extent(__global const SensorConstants* sensor, F x0, F x1, F y0,
 }
 #endif
 
-/// The places that all rays with times in [first, last] see the particle at; x near `anchor` where it wraps.
+/// Bounds of all positions at which rays with times in [first, last] see the particle; x near `anchor` where
+/// periodic.
 FN void extent_during(__global const SensorConstants* sensor,
                       const Gaussian* g,
                       F reach,
@@ -81,8 +83,9 @@ FN void extent_during(__global const SensorConstants* sensor,
 }
 
 #if MOVING
-/// The places that rays with times in [first, last] see a ball around the particle at: wider than extent_during() and
-/// a fraction of its work, enough to narrow times down. Of a LiDAR x alone, of pictures what times depend on.
+/// Bounds of a ball around the particle for rays with times in [first, last]: wider than extent_during() but
+/// much cheaper, enough to narrow the times. LiDAR: only x; pictures: only the coordinates that times depend
+/// on.
 FN void ball_during(__global const SensorConstants* sensor,
                     const Gaussian* g,
                     F radius,
@@ -103,7 +106,7 @@ FN void ball_during(__global const SensorConstants* sensor,
 #else
   F x0 = (F)R(0.0), x1 = x0, y0, y1;
 #if WRAPS
-  // x tells no times; where the picture goes round is that of the anchor.
+  // x does not determine times; where the picture is periodic the anchor's period applies.
   const F slope = ball_slope(distance2, ball);
   const F elevation = atan2_lanes(p[1], sqrt(fma(p[0], p[0], p[2] * p[2])));
   y0 = fma(elevation - slope, (F)sensor->model.fy, (F)sensor->model.cy);
@@ -130,7 +133,7 @@ FN void ball_during(__global const SensorConstants* sensor,
 }
 #endif
 
-/// Times of all rays whose place is within the extent, and with `whole` those of all rays.
+/// Times of all rays with positions inside the extent; with `whole` the times of all rays.
 FN void times_within(const FrameParams* frame,
                      __global const SensorConstants* sensor,
                      const Extent* extent,
@@ -152,13 +155,13 @@ FN void times_within(const FrameParams* frame,
   const F x1 = (F)sensor->model.tile_last;
   const F from = whole ? x0 : VMIN(VMAX(extent->mean_x - extent->half_x, x0), x1);
   const F to = whole ? x1 : VMIN(VMAX(extent->mean_x + extent->half_x, x0), x1);
-  const real spread = sensor->model.time_spread + R(2e-6);  // below 1e-6 the host counts it as none
+  const real spread = sensor->model.time_spread + R(2e-6);  // the host treats values below 1e-6 as zero
   *first = fma(from, (F)sensor->model.inv_span, (F)(sensor->model.time_first - spread));
   *last = fma(to, (F)sensor->model.inv_span, (F)(sensor->model.time_first + spread));
 #endif
 }
 
-/// How far ray origins may be from o_ref, m.
+/// Largest distance in m of ray origins from o_ref.
 FN F origin_reach(const FrameParams* frame, __global const SensorConstants* sensor) {
   F reach = (F)sensor->model.lever + fabs(sensor->model.height);
 #if MOVING
@@ -172,16 +175,16 @@ FN F origin_reach(const FrameParams* frame, __global const SensorConstants* sens
 }
 
 #if SENSOR == SENSOR_LIDAR
-/// Whether the sweep comes over any of it.
+/// Whether the sweep covers part of the extent.
 FN I swept(__global const SensorConstants* sensor, const Extent* extent) {
   return AND(extent->mean_x + extent->half_x >= sensor->model.tile_first,
              extent->mean_x - extent->half_x <= sensor->model.tile_last);
 }
 #endif
 
-/// Bounds outside of which no ray gets alpha >= alpha_cut. Time is narrowed down from above: all rays that can
-/// see the particle are in the extent of the whole frame, hence within its times; as seen in these times alone
-/// they are in a smaller extent, and so forth. A ball is enough for all looks but the last.
+/// Bounds outside of which no ray has alpha >= alpha_cut. Times are narrowed iteratively: all rays that can see
+/// the particle are in the extent of the whole frame, hence within its times; restricted to these times they
+/// are in a smaller extent, and so on. All iterations but the last use a ball.
 FN void exact_bounds(const FrameParams* frame,
                      __global const SensorConstants* sensor,
                      const Gaussian* g,
@@ -189,19 +192,18 @@ FN void exact_bounds(const FrameParams* frame,
                      F radius,
                      Bounds* out) {
   const Extent none = {(F)R(0.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
-  Extent one, other;  // the same at its two places, no array: GPUs index those in memory
+  Extent one, other;  // for both positions; not an array, which GPUs would index in memory
   F first, last;
   times_within(frame, sensor, &none, 1, &first, &last);
   const real period = sensor->model.period;
-#if MOVING && \
-    !ACTOR_MOTION  // of actors too: a third place to look from is more than Intel's GPUs have registers for
+#if MOVING && !ACTOR_MOTION  // a third viewpoint for moving actors exceeds the registers of Intel's GPUs
   ball_during(sensor, g, radius, first, last, (F)(R(0.5) * period), &one);
 #else
   extent_during(sensor, g, reach, radius, first, last, (F)(R(0.5) * period), &one);
 #endif
   other = one;
 #if SENSOR == SENSOR_LIDAR
-  // In [0, period] there is at most this second place, half a turn being the widest that is no full one.
+  // Within [0, period] this is the only second position; extents are at most half a period wide or a full one.
   other.mean_x += SEL(one.mean_x < R(0.5) * period, (F)period, (F)-period);
   I both = swept(sensor, &other);
 #endif
@@ -228,7 +230,7 @@ FN void exact_bounds(const FrameParams* frame,
 #endif
 #endif
 #if SENSOR == SENSOR_CAMERA
-  // Exposed at the same time: the same once more.
+  // Same exposure time, same extent.
   other = one;
 #if WRAPS
   other.mean_x += SEL(one.mean_x < R(0.5) * period, (F)period, (F)-period);
@@ -244,7 +246,7 @@ FN void exact_bounds(const FrameParams* frame,
   out->low = SEL(both, VMIN(out->low, other.low), out->low);
   out->high = SEL(both, VMAX(out->high, other.high), out->high);
   out->half_x = SEL(both, VMAX(out->half_x, other.half_x), out->half_x);
-  // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
+  // More than half a period counts as the full period; for narrower boxes the nearer of both positions applies.
   out->half_x = SEL(out->half_x > R(1.5), (F)NO_BOUND, out->half_x);
 #elif WRAPS
   const real widest = min(R(0.25) * period, R(0.5) * period - SIM_TILE_SIDE);

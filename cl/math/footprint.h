@@ -1,18 +1,19 @@
-// footprint.h - the sensor rows and tiles that one particle's box touches.
-// Build: CULLING = 1 when those that no requested ray meets are left out, WRAPS = 1 where x goes round.
+// footprint.h - sensor rows and tiles that a particle's box touches.
+// Build: CULLING = 1 drops particles that no requested ray hits, WRAPS = 1 where x is periodic.
 #ifndef SIMULI_CL_MATH_FOOTPRINT_H
 #define SIMULI_CL_MATH_FOOTPRINT_H
 #include "math/extent.h"
 #include "shared/layout.h"
 
-/// Rows (elevation not rising with the index) above `elevation`; with `inclusive` those at it as well.
+/// Number of rows above `elevation` (elevations decrease with the index); `inclusive` also counts rows at it.
 FN int beams_above(__global const int* row_lut,
                    __global const real* row_elevation,
                    __global const SensorConstants* sensor,
                    int rows,
                    real elevation,
                    int inclusive) {
-  // The table, made of the rows' lowest rays, starts the search early; rows of one bin are walked.
+  // The table, built from the rows' lowest rays, gives the first candidate; rows of one bin are searched
+  // linearly.
   real bin = (elevation - sensor->model.lut_first) * sensor->model.lut_scale;
   bin = bin > R(0.0) ? (bin < R(4095.0) ? bin : R(4095.0)) : R(0.0);
   int row = row_lut[(int)bin];
@@ -20,11 +21,11 @@ FN int beams_above(__global const int* row_lut,
   return row;
 }
 
-// What rounding in float may move a place x by, at most: the box itself decides per ray.
+// Largest rounding error of x in float; the box test of each ray is decisive.
 #define BIN_MARGIN R(5e-6)
 
-/// Tile columns that [mean - half, mean + half] touches, as in a Footprint, 0 for none. For cameras those of pixels
-/// whose centres lie inside.
+/// Tile columns touched by [mean - half, mean + half], as in Footprint; 0 for none. Cameras count pixels whose
+/// centres are inside.
 FN uint tile_columns(__global const SensorConstants* sensor,
                      __global const uint* column_of_bin,
                      real mean,
@@ -46,7 +47,7 @@ FN uint tile_columns(__global const SensorConstants* sensor,
 }
 
 #if CULLING
-/// Occupied cells of the ray mask among its rows [top, bottom] that [mean - half, mean + half] touches.
+/// Occupied cells of the ray mask in mask rows [top, bottom] that [mean - half, mean + half] touches.
 FN uint occupied_cells(__global const SensorConstants* sensor,
                        __global const uint* areas,
                        real mean,
@@ -66,7 +67,7 @@ FN uint occupied_cells(__global const SensorConstants* sensor,
 }
 #endif
 
-/// Makes two intervals that touch or overlap one, so that no tile is counted twice.
+/// Joins two touching or overlapping intervals, so that no tile counts twice.
 FN void join_columns(Footprint* f) {
   if (f->others == 0) return;
   if (f->columns == 0) {
@@ -82,7 +83,7 @@ FN void join_columns(Footprint* f) {
   }
 }
 
-/// What footprints are looked up in (the kernel's contract says what each is).
+/// Lookup tables of footprints, described in the kernel's contract.
 typedef struct {
   __global const int* row_lut;
   __global const real* row_elevation;
@@ -92,7 +93,8 @@ typedef struct {
   __global const uint* areas;
 } Tables;
 
-/// Rows and tiles that one particle's box touches; no tiles: nothing sees it. record: its lane of [SIM_RECORD][V].
+/// Rows and tiles touched by one particle's box; no tiles if it is invisible. record: its lane of
+/// [SIM_RECORD][V].
 FN Footprint footprint_of(const FrameParams* frame,
                           __global const SensorConstants* sensor,
                           const Tables* tables,
@@ -101,7 +103,7 @@ FN Footprint footprint_of(const FrameParams* frame,
                           const real* record) {
   Footprint f = {0, 0, 0, 0};
 #if SENSOR == SENSOR_CAMERA
-  // Pixel rows whose centres lie in the box; comparing before converting keeps huge values defined.
+  // Pixel rows whose centres are in the box; comparing before converting keeps huge values defined.
   const real row0 = max(ceil(low_y - R(0.5)), sensor->model.first_row);
   const real row1 = min(floor(high_y - R(0.5)), sensor->model.last_row);
   const int row_first = row0 <= row1 ? (int)row0 : 1;
@@ -126,7 +128,7 @@ FN Footprint footprint_of(const FrameParams* frame,
 #endif
     f.tile_rows = ty0 | (ty1 - ty0 + 1) << 16;
 #if CULLING
-    // Both intervals may hold the same cells: only whether there are any counts.
+    // Both intervals may contain the same cells: only a non-zero count matters.
     const uint top = tables->mask_row_of_row[row_first], bottom = tables->mask_row_of_row[row_last];
     if (occupied_cells(sensor, tables->areas, record[SIM_R_BOX_MEAN * V], half_width, top, bottom) == 0 &&
         occupied_cells(sensor, tables->areas, record[SIM_R_BOX_OTHER * V], half_width, top, bottom) == 0) {

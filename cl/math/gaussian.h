@@ -1,4 +1,4 @@
-// gaussian.h - one particle's parameters on lanes and the matrix that both project and its gradient use.
+// gaussian.h - a particle's parameters on lanes, and the blending matrix used by project and its gradient.
 #ifndef SIMULI_CL_MATH_GAUSSIAN_H
 #define SIMULI_CL_MATH_GAUSSIAN_H
 #include "math/actor.h"
@@ -6,12 +6,12 @@
 #include "math/rotation.h"
 #include "shared/layout.h"
 
-// Build: COMPENSATION = 1 scales opacities by what the footprint filter widens.
+// Build: COMPENSATION = 1 reduces opacities to compensate for the footprint filter.
 #ifndef COMPENSATION
 #define COMPENSATION 0
 #endif
 
-/// What blending needs of a particle, before the features.
+/// Parameters of a particle needed for blending, except features.
 typedef struct {
   F offset[3];      // mu - o_ref, m
   F range;          // |offset|, m
@@ -25,8 +25,8 @@ typedef struct {
 #endif
 } Gaussian;
 
-/// Where particles i .. i+V-1 are, those of actors half-way through the frame: offset, range, actor.
-/// deform_offset[3][stride] with DEFORM, of deform.cl.
+/// Loads positions of particles i .. i+V-1, of actors at mid-frame: offset, range, actor.
+/// deform_offset[3][stride] of deform.cl with DEFORM.
 FN void load_place(__global const real* params,
                    __global const uint* actor_of,
                    __global const ActorConstants* actors,
@@ -57,7 +57,7 @@ FN void load_place(__global const real* params,
   g->range = sqrt(range2);
 }
 
-/// What else there is of them (METHOD section 8: the footprint filter widens all axes alike).
+/// Loads scales and rotations (METHOD section 8: the footprint filter widens all axes alike).
 FN void load_shape(
     __global const real* params, uint stride, uint i, __global const SensorConstants* sensor, Gaussian* g) {
   const __global real* row = params + i;
@@ -77,7 +77,7 @@ FN void load_shape(
 #endif
 }
 
-/// Both.
+/// Loads positions and shapes.
 FN void load_gaussian(__global const real* params,
                       __global const uint* actor_of,
                       __global const ActorConstants* actors,
@@ -90,8 +90,8 @@ FN void load_gaussian(__global const real* params,
   load_shape(params, stride, i, sensor, g);
 }
 
-/// Unit vector to the particle from o_ref half-way through the frame, in its actor's axes: what SH see. At the
-/// record's own time it would be that of an actor that moved and a sensor that did not.
+/// Unit vector from o_ref to the particle at mid-frame, in its actor's axes: the argument of SH. At the
+/// record's own time it would combine a moved actor with an unmoved sensor.
 FN void view_direction(const Gaussian* g, F* towards) {
   const F inv_range = R(1.0) / g->range;
   SIM_EACH(k, 3) towards[k] = g->offset[k] * inv_range;
@@ -104,14 +104,14 @@ FN void view_direction(const Gaussian* g, F* towards) {
 }
 
 #if COMPENSATION
-/// sqrt(|S_perp| / |S^_perp|), the share of its opacity that a particle keeps when the footprint filter widens
-/// it (METHOD section 8), seen along its direction n; in scales over the largest widened one, so that products
+/// sqrt(|S_perp| / |S^_perp|), the factor of a particle's opacity when the footprint filter widens it (METHOD
+/// section 8), seen along its direction n. Scales are relative to the largest widened scale, so that products
 /// of four stay in range.
 typedef struct {
   F n[3];          // offset / range
   F e[3];          // R^T n
-  F scale2[3];     // s^2 over the largest s^^2
-  F filtered2[3];  // s^^2 over the same
+  F scale2[3];     // s^2 relative to the largest s^^2
+  F filtered2[3];  // s^^2 relative to the largest s^^2
   F inv_largest2;  // 1 / m^2
   F inv_area;      // 1 / A(s)
   F inv_wide;      // 1 / A(s^)
@@ -141,7 +141,7 @@ FN void compensation(const Gaussian* g, Compensation* c) {
   c->log_share = R(0.5) * log(area * c->inv_wide);
 }
 
-/// Adds to the gradients of R (row-major), ln s and the mean what `by_share` = dL/d(ln share) gives them.
+/// Adds the gradient `by_share` = dL/d(ln share) to the gradients of R (row-major), ln s and the mean.
 FN void compensation_gradient(const Gaussian* g,
                               const Compensation* c,
                               F by_share,
@@ -167,7 +167,7 @@ FN void compensation_gradient(const Gaussian* g,
     }
   }
   const F radial = by_n[0] * c->n[0] + by_n[1] * c->n[1] + by_n[2] * c->n[2];
-  const F by_range2 = -kappa * by_share * by_wide * c->inv_largest2;  // times offset
+  const F by_range2 = -kappa * by_share * by_wide * c->inv_largest2;  // multiplied by offset
   SIM_EACH(r, 3) {
     g_mean[r] += (by_n[r] - radial * c->n[r]) / g->range + by_range2 * g->offset[r];
   }
@@ -175,9 +175,8 @@ FN void compensation_gradient(const Gaussian* g,
 #endif
 
 #if ACTOR_MOTION
-/// Takes particles with a moving actor from half-way through the frame to time t: offset, range, rotation, and
-/// the actor's rotation. velocity: m per frame, 0 for those at rest. The footprint filter stays that of
-/// half-way.
+/// Moves particles of moving actors from mid-frame to time t: offset, range, rotation, and the actor's
+/// rotation. velocity: m per frame, 0 at rest. The footprint filter stays that of mid-frame.
 FN void place_at(Gaussian* g, F t, F* velocity) {
   SIM_EACH(k, 3) velocity[k] = (F)R(0.0);
   if (!g->actor.any) return;
@@ -202,9 +201,9 @@ FN void place_at(Gaussian* g, F t, F* velocity) {
 }
 #endif
 
-/// The blending matrix: M = diag(1/s^) R^T, o_g = -M offset, r = |o_g|, and A = G D H M / r with H the
-/// Householder reflection that takes o_g to (0, 0, -+r), D the sign that makes it (0, 0, -r), and G the turn
-/// about the third axis that makes A[0][2] = 0.
+/// The blending matrix: M = diag(1/s^) R^T, o_g = -M offset, r = |o_g|, and A = G D H M / r, where the
+/// Householder reflection H maps o_g to (0, 0, -+r), the sign D makes it (0, 0, -r), and the rotation G about
+/// the third axis makes A[0][2] = 0.
 typedef struct {
   F m[9];          // M, row-major
   F a[9];          // A, row-major
@@ -212,7 +211,7 @@ typedef struct {
   F inv_radius;    // 1 / r
   F v[3];          // Householder vector
   F two_over_vv;   // 2 / |v|^2
-  F sign;          // of D's last entry
+  F sign;          // last entry of D
   F cosine, sine;  // of G
 } BlendMatrix;
 
@@ -226,7 +225,7 @@ FN void blend_matrix(const Gaussian* g, BlendMatrix* b) {
   b->radius2 = o[0] * o[0] + o[1] * o[1] + o[2] * o[2];
   const F r = sqrt(b->radius2);
   b->inv_radius = R(1.0) / r;
-  // Adding a number of o_z's own sign never cancels; H then takes o_g to -sign(o_z) r e3.
+  // Adding a number with the sign of o_z never cancels; H then maps o_g to -sign(o_z) r e3.
   const F side = SEL(o[2] < R(0.0), (F)R(-1.0), (F)R(1.0));
   b->v[0] = o[0];
   b->v[1] = o[1];
@@ -251,7 +250,8 @@ FN void blend_matrix(const Gaussian* g, BlendMatrix* b) {
   }
 }
 
-/// Gradient in the rows of A (scaled, reflected, turned) taken back to the frame of M: out = H D G^T in / r.
+/// Transforms a gradient in rows of A (scaled, reflected, rotated) back to the frame of M: out = H D G^T in /
+/// r.
 FN void unreflect(const BlendMatrix* b, const F* in, F* out) {
   const F first = b->cosine * in[0] + b->sine * in[1];
   const F second = b->cosine * in[1] - b->sine * in[0];

@@ -1,10 +1,11 @@
-// gradient_slot.h - where the gradients of pairs are: a particle's slots lie together, tile row by tile row.
+// gradient_slot.h - position of a pair's gradients: a particle's slots are consecutive, by tile row and tile
+// column.
 #ifndef SIMULI_CL_MATH_GRADIENT_SLOT_H
 #define SIMULI_CL_MATH_GRADIENT_SLOT_H
 #include "math/lanes.h"
 #include "shared/layout.h"
 
-/// A tile of the frame, and its pairs' slots: slot_first[N] is the prefix sum of slot_counts.
+/// A tile of the frame and the slots of its pairs: slot_first[N] is the prefix sum of slot_counts.
 typedef struct {
   uint tx, ty;
   __global const Footprint* footprints;
@@ -14,14 +15,14 @@ typedef struct {
 FN ulong gradient_slot(const SlotMap* map, uint particle) {
   const Footprint f = map->footprints[particle];
   const uint count = SIM_HIGH(f.columns);
-  uint column = map->tx - SIM_TILE_COLUMN(f.columns);  // beyond count when tx lies before it, too
+  uint column = map->tx - SIM_TILE_COLUMN(f.columns);  // exceeds count also when tx lies before it
   if (column >= count) column = count + map->tx - SIM_TILE_COLUMN(f.others);
   const uint row = map->ty - SIM_LOW(f.tile_rows);
   return (ulong)map->slot_first[particle] + row * (count + SIM_HIGH(f.others)) + column;
 }
 
-/// Zeros, not what the last frame left, in the slots of payload[begin, end), by all of the group's work-items: nothing
-/// was added behind the last contributor.
+/// Zeroes the slots of payload[begin, end), which follow the last contributing pair, by all work-items of the
+/// group.
 FN void clear_slots(const SlotMap* map,
                     __global const uint* payload,
                     uint begin,

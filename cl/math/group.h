@@ -5,7 +5,8 @@
 #include "math/lanes.h"
 
 #if LS > 1
-// Doubling the distance each time (Hillis and Steele, CACM 29(12), 1986): log2(LS) steps, all work-items busy.
+// Doubles the distance in each step (Hillis and Steele, CACM 29(12), 1986): log2(LS) steps with all work-items
+// busy.
 #define GROUP_SUM(T)                                                    \
   FN T group_sum_before_##T(const T value, __local T* sums, T* total) { \
     const uint lid = get_local_id(0);                                   \
@@ -30,13 +31,13 @@
   }
 #endif
 
-/// Sum of `value` over the work-items before this one, and over all of the group. sums[LS] may be used again
-/// at once. All work-items call it.
+/// Sum of `value` over the work-items before this one, and over the whole group. sums[LS] may be reused
+/// immediately. All work-items must call it.
 GROUP_SUM(uint)
 GROUP_SUM(ulong)
 
 #if LS > 1
-/// out[columns]: sums over the group of each of its work-items' own[columns], one after the other. parts[LS][columns].
+/// out[columns]: group sums of each work-item's own[columns], column by column. parts[LS][columns].
 FN void group_columns(const real* own, const uint columns, __local real* parts, __global real* out) {
   const uint lid = get_local_id(0);
 #pragma unroll

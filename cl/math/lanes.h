@@ -1,22 +1,22 @@
 // lanes.h - one source for CPU vectors and GPU work-items.
-// V lanes per vector, NR vectors per work-item, LS work-items per tile: V * NR * LS = 256 rays.
-// F is a vector of V reals, I the integer vector of the same width. Masks are 1 in scalars and -1 in
-// vectors, so they are used only through SEL, ANY, AND, OR and NOT.
+// V lanes per vector, NR vectors per work-item, LS work-items per tile: V * NR * LS = 256 rays. F is a vector
+// of V reals, I the integer vector of the same width. True is 1 in scalars and -1 in vectors, so masks are used
+// only through SEL, ANY, AND, OR and NOT.
 #ifndef SIMULI_CL_MATH_LANES_H
 #define SIMULI_CL_MATH_LANES_H
 
-// Contraction by choice only: forward and backward must round alike. fma() is written out.
+// No automatic contraction, because forward and backward must round alike; fma() is explicit.
 #pragma OPENCL FP_CONTRACT OFF
 
 #define LANES_CAT_(a, b) a##b
 #define LANES_CAT(a, b) LANES_CAT_(a, b)
 
 #ifdef SIMULI_KEEP_CALLS
-// Oclgrind 21.10 stops at llvm.experimental.noalias.scope.decl, which is left where a call was inlined: it
-// needs this and -cl-opt-disable (bench/drivers.py).
+// Oclgrind 21.10 fails at llvm.experimental.noalias.scope.decl, which inlining leaves behind: it needs this
+// definition and -cl-opt-disable (bench/drivers.py).
 #define FN static
 #else
-// CPU drivers leave long functions out of line, and then pass vectors through memory.
+// CPU drivers otherwise keep long functions out of line and pass vectors through memory.
 #define FN inline __attribute__((always_inline))
 #endif
 
@@ -30,18 +30,17 @@ typedef float real;
 #define REAL_(x) x##f
 #define REAL_VECTOR(n) LANES_CAT(float, n)
 #endif
-// R(1.5): a constant of the build's precision.
+// R(1.5) is a constant of the build's precision.
 #define R(x) REAL_(x)
 
 #ifndef V
 #define V 1
 #endif
 
-// Over few places, one by one in the text: PoCL leaves loops as they are, and what a loop indexes in memory (a fifth of
-// the time of projection, and a quarter of that of its backward pass).
+// An unrolled loop over a few indices. PoCL does not unroll by itself and keeps indexed arrays in memory.
 #define SIM_EACH(k, n) _Pragma("unroll") for (int k = 0; k < (n); ++k)
 
-// Kernels that are launched in groups of LS: drivers plan registers for any size unless they are told.
+// Kernels launched in groups of LS; otherwise drivers plan registers for groups of any size.
 #if LS > 1
 #define SIM_GROUP __attribute__((reqd_work_group_size(LS, 1, 1)))
 #else
@@ -75,7 +74,7 @@ typedef LANES_CAT(int, V) I;
 #define AND(a, b) ((a) & (b))
 #define OR(a, b) ((a) | (b))
 
-// any() compiles to a chain of extractions on CPU compilers; the reduction builtin is one instruction.
+// any() compiles to a chain of extractions on CPUs; the reduction builtin is one instruction.
 #ifdef __has_builtin
 #if __has_builtin(__builtin_reduce_or)
 #define ANY(c) (__builtin_reduce_or(c) != 0)
@@ -85,7 +84,7 @@ typedef LANES_CAT(int, V) I;
 #define ANY(c) any(c)
 #endif
 
-// Sum of the lanes, by halves: one fixed order on every device. The largest of them, none being NaN.
+// Sum of the lanes, by halves, in the same order on every device; and their largest value, without NaN.
 #if V == 16
 #define HSUM(v) hsum16(v)
 #define HMAX(v) hmax16(v)
@@ -108,7 +107,7 @@ FN real hmax8(REAL_VECTOR(8) v) { return hmax4(fmax(v.lo, v.hi)); }
 FN real hsum16(F v) { return hsum8(v.lo + v.hi); }
 FN real hmax16(F v) { return hmax8(fmax(v.lo, v.hi)); }
 
-/// Rows of 16 to columns, out[16][16]: in every step the halves of two rows that lie 8, 4, 2 and 1 apart change places.
+/// Transposes 16 vectors to out[16][16]: each step exchanges halves of two rows that are 8, 4, 2 and 1 apart.
 FN void transpose16(const F* rows, real* out) {
   F a[16], b[16];
   SIM_EACH(k, 8) {
@@ -144,7 +143,8 @@ FN void transpose16(const F* rows, real* out) {
   }
 }
 
-/// hsum16() of each of 16 vectors, the same bits: 15 additions for 64, as two vectors' halves are added at a time.
+/// hsum16() of each of 16 vectors with the same bits, in 15 instead of 64 additions, adding halves of two
+/// vectors at a time.
 FN F hsum16_each(const F* v) {
   F a[8], b[4], c[2];
   SIM_EACH(k, 8) a[k] = (F)(v[k].lo, v[k + 8].lo) + (F)(v[k].hi, v[k + 8].hi);
@@ -168,7 +168,7 @@ FN F hsum16_each(const F* v) {
 #define VMIN(a, b) SEL((a) < (b), (a), (b))
 #define VMAX(a, b) SEL((a) > (b), (a), (b))
 
-// CPUs alone: Intel's compiler for GPUs has the builtin, and then can't translate it.
+// CPUs only: Intel's GPU compiler has the builtin but cannot translate it.
 #if defined(__x86_64__) || defined(__aarch64__) || defined(__powerpc64__) || defined(__riscv)
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_prefetch)
@@ -179,7 +179,7 @@ FN F hsum16_each(const F* v) {
 #ifndef SIM_PREFETCH
 #define SIM_PREFETCH(p)
 #endif
-// How many places of a list before its use something scattered is fetched: as long as memory is waited for.
+// Prefetch distance in list entries for scattered data, about a memory latency.
 #define SIM_AHEAD 12
 
 #endif

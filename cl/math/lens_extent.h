@@ -1,14 +1,14 @@
-// lens_extent.h - where the picture of a distorted lens shows the cutoff ellipsoid, from bounds of the lens's
-// derivatives that the host found (lens_slope, lens_bend).
+// lens_extent.h - picture bounds of the cutoff ellipsoid seen through a distorted lens, from bounds of the
+// lens's derivatives that the host computed (lens_slope, lens_bend).
 #ifndef SIMULI_CL_MATH_LENS_EXTENT_H
 #define SIMULI_CL_MATH_LENS_EXTENT_H
 #include "math/ellipsoid.h"
 
 #if SENSOR == SENSOR_CAMERA && LENS != SIM_LENS_PINHOLE && !WRAPS
-// Step of the differences that give the lens's derivative: what it adds by the lens's bend is in the bound,
-// rounding of pixels over it is within PAD_SHARE.
+// Step of the differences that give the lens's derivative: the bound includes the curvature error, and pixel
+// rounding divided by the step is within PAD_SHARE.
 #define LENS_STEP R(1e-3)
-#define LENS_CAP_MAX R(0.7)  // rad: beyond, the bend outgrows what the derivative tells
+#define LENS_CAP_MAX R(0.7)  // rad: beyond, curvature exceeds the linear term
 
 /// Two directions across the unit vector n (Duff et al. 2017).
 FN void across(const F* n, F* e1, F* e2) {
@@ -23,8 +23,9 @@ FN void across(const F* n, F* e1, F* e2) {
   e2[2] = -n[1];
 }
 
-/// Half the opening angle of the round cone about the line of sight that holds the ellipsoid; false where it
-/// is not in front. l, a1, a2: the axes along the line of sight, `distance` long, and in two directions across.
+/// Half opening angle of the circular cone about the line of sight that contains the ellipsoid; false where the
+/// ellipsoid is not in front. l, a1, a2: the axes along the line of sight, `distance` long, and in two
+/// directions across.
 FN I cap_angle(const Ellipsoid* e, F distance, const F* l, const F* a1, const F* a2, F* angle) {
   F along = (F)R(0.0), m1 = along, m2 = along, w11 = along, w12 = along, w22 = along;
   SIM_EACH(k, 3) {
@@ -35,23 +36,23 @@ FN I cap_angle(const Ellipsoid* e, F distance, const F* l, const F* a1, const F*
     w12 = fma(a1[k], a2[k], w12);
     w22 = fma(a2[k], a2[k], w22);
   }
-  // Every slope across is at most that of the largest moments.
+  // Every slope is at most that of the largest moments.
   const F apart = R(0.5) * (w11 - w22);
   const F widest = R(0.5) * (w11 + w22) + sqrt(fma(apart, apart, w12 * w12));
   F low, high;
   const I outside = tangent_slopes(distance * distance,
-                                   fma(e->chunk, along, e->more),
-                                   e->chunk * sqrt(fma(m1, m1, m2 * m2)),
-                                   fma(e->chunk, widest, e->more),
+                                   fma(e->share, along, e->more),
+                                   e->share * sqrt(fma(m1, m1, m2 * m2)),
+                                   fma(e->share, widest, e->more),
                                    &low,
                                    &high);
   *angle = atan2_lanes(VMAX(-low, high), (F)R(1.0));
   return outside;
 }
 
-/// One coordinate of the image over the cap: its derivative (d1, d2) at the centre times the ellipsoid's
-/// slopes in that direction, and at most bend / 2 times the square of the angle off it. Arcs are shorter than
-/// the slopes, their tangents, so that the product is a bound. Tightens [low, high] where `tame`.
+/// Bounds one image coordinate over the cap: its derivative (d1, d2) at the centre times the ellipsoid's slopes
+/// in that direction, plus at most bend / 2 times the squared angle. Angles are smaller than slopes, their
+/// tangents, so the product is a bound. Tightens [low, high] where `tame`.
 FN void lens_bounds(const Ellipsoid* e,
                     F distance,
                     const F* l,
@@ -72,14 +73,14 @@ FN void lens_bounds(const Ellipsoid* e,
   SIM_EACH(k, 3) across_axes[k] = fma(d1, a1[k], d2 * a2[k]) * inv;
   F right, left;
   const I outside = shadow_slopes(e, distance, (F)R(0.0), l, across_axes, &right, &left);
-  // The derivative itself is off by at most bend / 2 * LENS_STEP along either direction across.
+  // The derivative itself has an error of at most bend / 2 * LENS_STEP along each direction.
   const F off = bend * cap * fma((F)R(0.5), cap, (F)LENS_STEP);
   const I tighter = AND(tame, outside);
   *low = SEL(tighter, VMAX(*low, fma(slope, right, at) - off), *low);
   *high = SEL(tighter, VMIN(*high, fma(slope, left, at) + off), *high);
 }
 
-/// The image of unit vector n + step * across.
+/// Image of the unit vector n + step * across.
 FN void image_beside(
     __global const SensorConstants* sensor, const F* n, const F* side, real step, F* x, F* y) {
   I shown = n[0] == n[0];
@@ -87,10 +88,10 @@ FN void image_beside(
   project_point(sensor, q, x, y, &shown);
 }
 
-/// The image of what is within `cap` rad of the unit vector n, which is moved to the nearest direction in the cone; not
-/// of lanes that are not `bounded`. No image moves faster over the picture than the largest px per rad in the cone in
-/// which the host looked for it. A cone of at most 90 degrees is convex: rays inside are nearer to the cone's nearest
-/// direction than to the centre. A wider one must hold the cap, or the bound is the picture.
+/// Image bounds of directions within `cap` rad of the unit vector n, moved to the nearest direction in the
+/// cone, for lanes that are `bounded`. No image moves faster than the largest px per rad that the host found in
+/// the cone. A cone of at most 90 degrees is convex: its directions are nearer to the cone's nearest direction
+/// than to the centre. A wider cone must contain the cap, or the bound is the whole picture.
 FN void cap_extent(__global const SensorConstants* sensor,
                    F cap,
                    I bounded,
@@ -113,7 +114,7 @@ FN void cap_extent(__global const SensorConstants* sensor,
     n[1] = SEL(beyond, n[1] * scale, n[1]);
     n[2] = SEL(beyond, (F)cos(cone), n[2]);
   }
-  // The formula over the cone bounds the rays' pixels whether it shows this direction or is past a fold.
+  // The cone bounds the rays' pixels even where this direction has no image or lies beyond a fold.
   I shown = bounded;
   project_point(sensor, n, x, y, &shown);
   const F half_x = cap * sensor->model.lens_slope[0];
@@ -124,7 +125,7 @@ FN void cap_extent(__global const SensorConstants* sensor,
   *y1 = SEL(bounded, *y + half_y, (F)NO_BOUND);
 }
 
-/// The image of a ball about p through the lens.
+/// Image bounds of a ball about p.
 FN void ball_image(__global const SensorConstants* sensor, const F* p, F ball, F* x0, F* x1, F* y0, F* y1) {
   const F distance2 = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
   const F inv = R(1.0) / VMAX(sqrt(distance2), (F)R(1e-18));
@@ -135,8 +136,8 @@ FN void ball_image(__global const SensorConstants* sensor, const F* p, F ball, F
   cap_extent(sensor, slope, slope < R(1.0), off_axis, n, &x, &y, x0, x1, y0, y1);
 }
 
-/// The ellipsoid's image through the lens; small caps within the cone are bounded by the lens's derivative and bend as
-/// well.
+/// Image bounds of the ellipsoid; small caps within the cone are also bounded by the lens's derivative and
+/// curvature.
 FN void lens_extent(__global const SensorConstants* sensor, const Ellipsoid* e, F* x0, F* x1, F* y0, F* y1) {
   const F distance = sqrt(e->p[0] * e->p[0] + e->p[1] * e->p[1] + e->p[2] * e->p[2]);
   const F inv = R(1.0) / VMAX(distance, (F)R(1e-18));

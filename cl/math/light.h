@@ -1,14 +1,14 @@
-// light.h - what rays that order their responses themselves blend. Backward it is light_bwd.h.
+// light.h - blending for rays in their own order. light_bwd.h is its counterpart in the backward pass.
 #ifndef SIMULI_CL_MATH_LIGHT_H
 #define SIMULI_CL_MATH_LIGHT_H
 #include "math/met.h"
 #include "math/ray_drop.h"
 
-/// What V rays have blended so far.
+/// Accumulated outputs of V rays.
 typedef struct {
   F transmittance, distance, median;
   F sum[3];
-  F last;  // m, tau of what was blended last
+  F last;  // m, tau of the last blended response
   I going;
 } Light;
 
@@ -41,7 +41,7 @@ FN void blend(const Met* met, real t_cut, Light* light) {
   light->going = AND(light->going, left >= t_cut);
 }
 
-/// Writes the outputs of render() to slots from `slot` on.
+/// Writes the outputs of render() from `slot` on.
 FN void write_light(Light* light, __global const SensorConstants* sensor, uint slots, __global real* slot) {
   const F t = light->transmittance;
   SIM_EACH(c, 3) {

@@ -1,20 +1,20 @@
-// light_bwd.h - what rays that order their responses themselves blend, once more, in the place of light.h: of each
-// response its weight and the gradient of its ln alpha.
+// light_bwd.h - replays blending for rays in their own order, in place of light.h: stores the weight of each
+// response and the gradient of its ln alpha.
 #ifndef SIMULI_CL_MATH_LIGHT_BWD_H
 #define SIMULI_CL_MATH_LIGHT_BWD_H
 #include "math/blend_bwd.h"
 #include "math/met.h"
 
-/// What V rays blend once more, knowing how it ends.
+/// Replay state of V rays with known final outputs.
 typedef struct {
   F transmittance;
-  F behind;  // g . (what is still to come): features, distance and the last transmittance
+  F behind;  // g . (remaining features, distance and final transmittance)
   F g[3], g_distance;
   I going;
-  __global real* replayed;  // of the list's first place and the vector's first ray
+  __global real* replayed;  // from the list's first entry and the vector's first ray
 } Light;
 
-/// out, grad_out: those of render_bwd(), from the vector's first slot on.
+/// out, grad_out: as in render_bwd(), from the vector's first slot on.
 FN void start_light(const RayLanes* ray,
                     __global const real* out,
                     __global const real* grad_out,
@@ -29,7 +29,7 @@ FN void start_light(const RayLanes* ray,
   light->behind = behind_of(out, grad_out, slots);
 }
 
-/// Nothing blended at a place, until something is.
+/// Zeroes the entry of a list position, until a ray blends it.
 FN void clear_place(uint place, __global real* replayed) {
   STV(replayed + (ulong)place * SIM_REPLAYED, (F)R(0.0));
   STV(replayed + (ulong)place * SIM_REPLAYED + SIM_WALK_RAYS, (F)R(0.0));
@@ -47,7 +47,7 @@ FN void blend(const Met* met, real t_cut, Light* light) {
   const F d_log = log_alpha_gradient(blends, alpha, weight, before, value, &light->behind);
   light->transmittance = before - weight;
   light->going = AND(light->going, light->transmittance >= t_cut);
-  // Rays of a vector have mostly met the same particle as their nearest.
+  // Rays of a vector usually have the same particle as nearest response.
   while (ANY(blends)) {
     const real place = HMAX(SEL(blends, met->place, (F)R(-1.0)));
     const I here = AND(blends, met->place == place);

@@ -1,6 +1,6 @@
-// met.h - what rays that order their responses themselves meet: forward (light.h) and backward (light_bwd.h) share it,
-// so that they round alike.
-// Build: SIM_REPLAY = 1 (defined by kernels that replay) to keep the place of each in the tile's list.
+// met.h - responses of rays in their own order, for the forward (light.h) and backward (light_bwd.h) pass, so
+// that both round alike.
+// Build: SIM_REPLAY = 1 (in kernels that replay) stores each response's position in the tile's list.
 #ifndef SIMULI_CL_MATH_MET_H
 #define SIMULI_CL_MATH_MET_H
 #include "math/ray_feature.h"
@@ -10,8 +10,8 @@
 #define SIM_REPLAY 0
 #endif
 
-/// What one particle is to the V rays of a vector. A ray that does not meet it has alpha 0, and the tau of
-/// the entry before: it stands where it blends nothing and passes nothing.
+/// Response of one particle for the V rays of a vector. A ray that misses it has alpha 0 and the tau of the
+/// entry before, so that sorting leaves it in place.
 typedef struct {
   F tau;  // m
   F alpha;
@@ -21,8 +21,8 @@ typedef struct {
 #endif
 } Met;
 
-/// Takes `met` past `before` in the lanes where it is nearer: the farther of the two goes to `place`, `met`
-/// is what goes on.
+/// Moves `met` in front of `before` in lanes where it is nearer: `place` gets the farther of the two, `met` the
+/// other.
 FN void pass_by(I nearer, const Met* before, Met* place, Met* met) {
   const Met was = *met;
   place->tau = SEL(nearer, before->tau, was.tau);
@@ -39,7 +39,7 @@ FN void pass_by(I nearer, const Met* before, Met* place, Met* met) {
 #endif
 }
 
-/// Through pointers, member by member: see load_ray().
+/// Copies through pointers, member by member; see load_ray().
 FN void copy_met(const Met* from, Met* to) {
   to->tau = from->tau;
   to->alpha = from->alpha;
@@ -49,7 +49,7 @@ FN void copy_met(const Met* from, Met* to) {
 #endif
 }
 
-/// What rays along d see of the pair, and its place.
+/// Features and list position of the pair as seen along d.
 FN void describe_met(const TilePair* at, const Features* features, const F* d, Met* met) {
 #if SIM_REPLAY
   met->place = (F)(real)at->place;

@@ -1,4 +1,4 @@
-// pixel_row.h - V neighbours along a row of pixels, in the slots of blocks (shared/layout.h).
+// pixel_row.h - V neighbours along a row of pixels, stored in the slots of 4 x 4 blocks (shared/layout.h).
 #ifndef SIMULI_CL_MATH_PIXEL_ROW_H
 #define SIMULI_CL_MATH_PIXEL_ROW_H
 #include "math/lanes.h"
@@ -8,7 +8,7 @@
 #define SIM_OF_BLOCK(at, k) vload4(0, (at) + (k)*SIM_RAY_BLOCK)
 #endif
 
-/// at: the first pixel's slot; its column is a multiple of V.
+/// at: slot of the first pixel, whose column is a multiple of V.
 FN F load_pixel_row(__global const real* at) {
 #if V == 16
   return (F)(SIM_OF_BLOCK(at, 0), SIM_OF_BLOCK(at, 1), SIM_OF_BLOCK(at, 2), SIM_OF_BLOCK(at, 3));

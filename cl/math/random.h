@@ -1,6 +1,6 @@
 // random.h - counter-based random numbers: Philox4x32-10 of Salmon et al., "Parallel random numbers: as easy as
-// 1, 2, 3" (SC 2011). One text for device and host. A number is a function of its key and counter, so any of
-// them can be drawn by anyone, in any order, and again.
+// 1, 2, 3" (SC 2011). One text for device and host. A number is a function of key and counter, so any number
+// can be generated in any order and repeatedly.
 #ifndef SIMULI_CL_MATH_RANDOM_H
 #define SIMULI_CL_MATH_RANDOM_H
 #ifdef __cplusplus
@@ -16,16 +16,16 @@ typedef ulong sim_u64;
 #define RANDOM_FN FN
 #endif
 
-/// What numbers are for, the third word of their counter. The first two are particle and iteration, the
-/// fourth tells sets apart.
-#define RANDOM_SOURCE 1u  // which particle one is copied from
-#define RANDOM_NOISE 2u   // on means
+/// Purposes of random numbers, the third word of the counter. The first two are particle and iteration, the
+/// fourth the set.
+#define RANDOM_SOURCE 1u  // source particle of a copy
+#define RANDOM_NOISE 2u   // noise on means
 
 typedef struct {
   sim_u32 word[4];
 } Random4;
 
-/// Four words, uniform over all 32-bit numbers, of a 64-bit key and a 128-bit counter.
+/// Four uniform 32-bit words from a 64-bit key and a 128-bit counter.
 RANDOM_FN Random4
 philox(sim_u32 key0, sim_u32 key1, sim_u32 counter0, sim_u32 counter1, sim_u32 counter2, sim_u32 counter3) {
   Random4 x;
@@ -41,7 +41,7 @@ philox(sim_u32 key0, sim_u32 key1, sim_u32 counter0, sim_u32 counter1, sim_u32 c
     x.word[1] = (sim_u32)odd;
     x.word[2] = (sim_u32)(even >> 32) ^ fourth ^ key1;
     x.word[3] = (sim_u32)even;
-    key0 += 0x9E3779B9u;  // the golden ratio and the square root of 3, less 1
+    key0 += 0x9E3779B9u;  // golden ratio - 1 and sqrt(3) - 1, scaled to 32 bits
     key1 += 0xBB67AE85u;
   }
   return x;
@@ -51,7 +51,7 @@ philox(sim_u32 key0, sim_u32 key1, sim_u32 counter0, sim_u32 counter1, sim_u32 c
 }  // namespace simuli::shared
 #undef RANDOM_FN
 #else
-/// In (0, 1), neither end ever: the upper 24 bits, which a float holds exactly.
+/// Uniform in (0, 1), both ends excluded: the upper 24 bits, which a float represents exactly.
 FN real uniform_of(uint word) { return ((real)(word >> 8) + R(0.5)) * R(5.9604644775390625e-8); }
 
 /// Three standard normal numbers (Box-Muller).

@@ -1,16 +1,16 @@
-// ray_drop.h - how likely a LiDAR's ray returns nothing, by what it has met. METHOD section 7. Render and loss
+// ray_drop.h - ray-drop probability of a LiDAR ray from its blended outputs (METHOD section 7). Render and loss
 // include this one text.
 #ifndef SIMULI_CL_MATH_RAY_DROP_H
 #define SIMULI_CL_MATH_RAY_DROP_H
 #include "math/elementary.h"
 #include "shared/sensor_constants.h"
 
-#define DROP_SCALE R(10.0)       // of what is a share: inputs are of one size, so that Adam's steps are, too
+#define DROP_SCALE R(10.0)       // scale of inputs that are shares, so that Adam's steps suit all inputs
 #define DROP_HALF_RANGE R(20.0)  // m
 
-/// What the function is of, from what blending has left of a ray: drop logit less hit logit; and ten times
-/// transmittance, intensity, and how far the ray came, D / (D + 20 m), by the share of it that met anything. The
-/// last two pass no gradient on: what a ray meets is learned from returns.
+/// Inputs of the function from a ray's outputs: drop logit minus hit logit; and ten times transmittance,
+/// intensity, and D / (D + 20 m) with the distance D, the latter two relative to the ray's opacity. The last
+/// two pass no gradient, because returns supervise geometry and intensity.
 FN void drop_inputs(F intensity, F hit, F drop, F transmittance, F distance, F* x) {
   const F opacity = R(1.0) - transmittance;
   const F reach = distance + DROP_HALF_RANGE * opacity;
@@ -30,7 +30,7 @@ FN F drop_hidden(__global const DropConstants* f, int k, const F* x, F* slope) {
   return a * inv;
 }
 
-/// ln(p / (1 - p)), p the probability that the ray doesn't return.
+/// ln(p / (1 - p)) with p the probability of no return.
 FN F drop_logit(__global const DropConstants* f, const F* x) {
   F logit = (F)f->bias, slope;
   for (int j = 0; j < SIM_DROP_INPUTS; ++j) logit = fma((F)f->skip[j], x[j], logit);
@@ -38,7 +38,7 @@ FN F drop_logit(__global const DropConstants* f, const F* x) {
   return logit;
 }
 
-/// The same of a ray as it was blended.
+/// The same from a ray's blended outputs.
 FN F drop_of(__global const DropConstants* f, F intensity, F hit, F drop, F transmittance, F distance) {
   F x[SIM_DROP_INPUTS];
   drop_inputs(intensity, hit, drop, transmittance, distance, x);

@@ -1,8 +1,8 @@
-// ray_feature.h - a particle's features as V rays see them, each along its own direction.
-// Build: RAY_SH = 1 for them, then also CLAMPED_CHANNELS (of a camera 3, of a LiDAR the intensity alone); else
-// features are those of the blending record, and nothing is here.
-// ACTOR_IDS = 1: what is seen of a particle is its actor alone (0: none). The first feature is the median distance,
-// which itself becomes the actor of the particle there; the other features mean nothing. ACTORS as actor.h.
+// ray_feature.h - a particle's features as seen by V rays, each along its own direction.
+// Build: RAY_SH = 1 enables them, then also CLAMPED_CHANNELS (cameras 3; LiDARs only the intensity); otherwise
+// features come from the blending record and this file is empty. ACTOR_IDS = 1: a particle shows only its actor
+// (0: none). The first feature is then the median distance, and the median's output the actor of the particle
+// there; other features are undefined. ACTORS as in actor.h.
 #ifndef SIMULI_CL_MATH_RAY_FEATURE_H
 #define SIMULI_CL_MATH_RAY_FEATURE_H
 #include "math/sh.h"
@@ -16,7 +16,7 @@
 #define ACTOR_IDS 0
 #endif
 
-/// Where a particle's features come from.
+/// Sources of a particle's features.
 typedef struct {
   __global const real* params;
   uint stride;
@@ -33,8 +33,8 @@ FN Features features_of(__global const real* params,
 
 #if RAY_SH
 
-/// feature[3] of one particle: SH along the unit directions d[3] of V rays, in the axes that its actor has
-/// half-way through the frame. Sums that floats do not hold become 0.
+/// feature[3] of one particle: SH along the unit directions d[3] of V rays, in its actor's axes at mid-frame.
+/// Non-finite sums become 0.
 FN void ray_feature(const Features* of, uint particle, const F* d, F* feature) {
   F towards[3] = {d[0], d[1], d[2]};
 #if ACTORS
@@ -49,7 +49,7 @@ FN void ray_feature(const Features* of, uint particle, const F* d, F* feature) {
   SIM_EACH(channel, 3) {
     F sum = (F)R(0.0);
     SIM_EACH(k, SH_COEFFICIENTS) {
-      // In one step, clang 15 crashes over halves.
+      // clang 15 crashes on halves when this is one expression.
       const real coefficient = SH_ONE(of->params, of->stride, k, channel, particle);
       sum = fma(basis[k], (F)coefficient, sum);
     }

@@ -1,24 +1,24 @@
-// response.h - what one particle does to V rays. Forward and backward blending include this one text, so
-// that they round alike and agree on who contributes.
-// Build: ORIGINS = 1 when rays have origins of their own (shutter, spin, lever arms); ACTOR_MOTION as actor.h.
+// response.h - response of V rays to one particle. Forward and backward blending include this one text, so that
+// they round alike and agree on the contributing rays.
+// Build: ORIGINS = 1 when rays have individual origins (shutter, spin, lever arms); ACTOR_MOTION as in actor.h.
 #ifndef SIMULI_CL_MATH_RESPONSE_H
 #define SIMULI_CL_MATH_RESPONSE_H
 #include "math/elementary.h"
 #include "shared/layout.h"
 
-// sigma is not 1 to the last bit: a clamp keeps 1 - alpha away from 0.
+// sigma may round to 1: the clamp keeps 1 - alpha away from 0.
 #define SIM_ALPHA_MAX R(0.999)
 
 /// Rays of one vector.
 typedef struct {
-  F d[3];  // unit direction; zero: no ray, or one that is done
+  F d[3];  // unit direction; zero: no ray, or a terminated one
 #if ORIGINS
   F o[3];  // origin - o_ref, m
 #endif
 #if ACTOR_MOTION
   F t;  // share of the frame
 #endif
-  F u;  // place along the tile's x axis: px, or unrolled spin angle in rad
+  F u;  // position along the tile's x axis: px, or unrolled spin angle in rad
 } RayLanes;
 
 typedef struct {
@@ -27,12 +27,12 @@ typedef struct {
   F o[3];  // origin in that frame (else 0, 0, -1)
 #endif
   F inv_n;   // 1 / |a|^2
-  F tau;     // m, place of the maximum response along the ray
+  F tau;     // m, distance of the maximum response along the ray
   F q;       // squared distance there
-  I inside;  // contributes, but for termination
+  I inside;  // contributes, apart from termination
 } Response;
 
-/// record: the particle's 16 reals; box_mean: the one of its two that is nearer to the tile.
+/// record: the particle's 16 reals; box_mean: the nearer to the tile of its two positions.
 FN void respond(
     const real* record, real box_mean, const RayLanes* ray, real t_min, real t_max, Response* out) {
   // The first row's third entry is 0.
@@ -71,18 +71,18 @@ FN F raw_alpha(const real* record, F q, real log_cut) {
   return exp_lanes(fma(record[SIM_R_QMAX] - q, (F)R(0.5), (F)log_cut));
 }
 
-/// Of a record's two places along x the one nearer to u, any place in the tile.
+/// Returns the nearer to u of a record's two positions along x; u: any position in the tile.
 FN real nearest_box_mean(const real* record, real u) {
   const real one = record[SIM_R_BOX_MEAN], other = record[SIM_R_BOX_OTHER];
   return fabs(other - u) < fabs(one - u) ? other : one;
 }
 
-/// alpha of the rays `inside`, clamped; 0 of the others.
+/// Clamped alpha of the rays `inside`; 0 for others.
 FN F alpha_of(I inside, const real* record, F q, real log_cut) {
   return SEL(inside, VMIN(raw_alpha(record, q, log_cut), (F)SIM_ALPHA_MAX), (F)R(0.0));
 }
 
-// Through a pointer: Mesa's rusticl loses a structure that is assigned to an element of an array.
+// Through a pointer: Mesa's rusticl loses structures assigned to array elements.
 FN void load_ray(
     __global const real* world_ray, __global const real* ray_u, uint slots, uint slot, RayLanes* ray) {
   SIM_EACH(k, 3) ray->d[k] = LDV(world_ray + k * slots + slot);
@@ -96,10 +96,11 @@ FN void load_ray(
 }
 
 #if ACTOR_MOTION
-/// The ray as the particle at its record's time would see it: what the particle moves until the ray's own
-/// time, the ray moves the other way. Exact but for the turn of the particle's actor in between.
+/// Transforms the ray by the inverse of the particle's motion between the record's time and the ray's time.
+/// Exact except for the actor's rotation in between.
 FN void follow(const RayLanes* ray, const real* motion, RayLanes* seen) {
-  // By parts: a copy of the whole is a call on CPUs, around which no register keeps the particle's record.
+  // Member by member: copying the whole struct is a function call on CPUs, around which no register keeps the
+  // particle's record.
   const F dt = ray->t - motion[SIM_M_TIME];
   SIM_EACH(k, 3) {
     seen->d[k] = ray->d[k];

@@ -1,13 +1,12 @@
-// response_bwd.h - gradients of what particles do to rays: render_bwd of lanes and of groups share it.
-// Build: ORIGINS as response.h.
+// response_bwd.h - gradients of responses, for render_bwd of lanes and of groups.
+// Build: ORIGINS as in response.h.
 #ifndef SIMULI_CL_MATH_RESPONSE_BWD_H
 #define SIMULI_CL_MATH_RESPONSE_BWD_H
 #include "math/blend_bwd.h"
 
-/// Blends rays with `transmittance` left with what they meet, as render() does. g0, g1, g2, gd: dL/d(features,
-/// distance).
-/// out the weight; d_log: dL/d ln alpha. None through the clamp, but tau keeps its own.
-/// io  transmittance; behind: g . (what is still to come)
+/// Blends a response as render() does and returns its weight. g0, g1, g2, gd: dL/d(features, distance).
+/// out d_log: dL/d ln alpha; none through the clamp of alpha, but tau keeps its gradient
+/// io  transmittance; behind: g . (remaining contribution)
 FN F blend_back(const real* record,
                 const Response* response,
                 real log_cut,
@@ -30,7 +29,7 @@ FN F blend_back(const real* record,
   return weight;
 }
 
-/// Adds what rays that blend the particle with `weight` take back from its record.
+/// Adds the gradients of the particle's record from rays that blend it with `weight`.
 /// io  sum[SIM_GRAD]
 FN void add_gradients(const real* record,
                       const RayLanes* seen,

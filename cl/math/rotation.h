@@ -27,8 +27,8 @@ FN void cross_lanes(const F* a, const F* b, F* out) {
   out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-/// The unit quaternion (w, x, y, z) and the rotation, row-major, of the particles whose parameters start at `column`;
-/// 1 / |raw quaternion|.
+/// Loads the unit quaternion (w, x, y, z) and the row-major rotation of the particles whose parameters start at
+/// `column`; returns 1 / |raw quaternion|.
 FN F load_rotation(const __global real* column, uint stride, F* quaternion, F* r) {
   F raw[4];
   SIM_EACH(k, 4) raw[k] = LDV(column + (SIM_ROTATION + k) * stride);

@@ -1,28 +1,27 @@
-// rounds.h - exact order along each ray: a vector goes over its tile's list in rounds, each of which blends the nearest
-// responses behind those of the last; the next one begins at the first that was left over. Behind light.h or
-// light_bwd.h, whose blend() it calls.
+// rounds.h - exact order along each ray: a vector processes its tile's list in rounds, each of which blends the
+// nearest responses beyond those of the last round; the next round starts at the first response left over.
+// Include after light.h or light_bwd.h, whose blend() it calls.
 #ifndef SIMULI_CL_MATH_ROUNDS_H
 #define SIMULI_CL_MATH_ROUNDS_H
 #include "math/met.h"
 
-// The nearest responses of a vector that a round keeps. GPUs have them in scratch memory, for every work-item
-// that may run.
+// Responses of a vector per round. GPUs keep them in scratch memory for every resident work-item.
 #if LS == 1
 #define SIM_ROUND 128
 #else
 #define SIM_ROUND 16
 #endif
 
-/// What a round has found of V rays: the nearest responses behind those of the last round.
+/// A round of V rays: the nearest responses beyond those of the last round.
 typedef struct {
   Met entry[SIM_ROUND];
-  F place[SIM_ROUND];  // in the tile's list
+  F place[SIM_ROUND];  // position in the tile's list
   uint count;
   F last_tau, last_place;  // of the last round
-  F left_over;             // the first place that the next round must look at
+  F left_over;             // first list position for the next round
 } Round;
 
-/// Puts in what the rays `ahead` meet, `place` of the list. Of a full round the farthest drops out.
+/// Inserts the response of the rays `ahead` at list position `place`. A full round drops its farthest response.
 FN void put_ahead(Round* round, I ahead, F place, Met* met) {
   uint k = round->count;
   const uint last = k - 1;
@@ -51,7 +50,7 @@ FN void put_ahead(Round* round, I ahead, F place, Met* met) {
   copy_met(met, &round->entry[k]);
 }
 
-/// Fills a round from place `begin` of the list on with what the rays of vector j meet.
+/// Fills a round with the responses of vector j from list position `begin` on.
 FN void gather(const Tile* tile,
                const Features* features,
                const RayLanes* ray,
@@ -81,7 +80,7 @@ FN void gather(const Tile* tile,
       round->left_over = SEL(ahead, VMIN(round->left_over, place), round->left_over);
       continue;
     }
-    // put_ahead() takes alpha of rays ahead alone.
+    // put_ahead() uses alpha only for rays ahead.
     met.alpha =
         VMIN(raw_alpha(at.record, SEL(ahead, response.q, (F)R(0.0)), tile->log_cut), (F)SIM_ALPHA_MAX);
     describe_met(&at, features, ray->d, &met);
@@ -89,8 +88,8 @@ FN void gather(const Tile* tile,
   }
 }
 
-/// Blends all that the rays of vector j meet, by the place of maximum response along each, places in the list deciding
-/// between equal ones. Exact for lists of up to 2^24.
+/// Blends all responses of vector j by their distance along each ray, ties by list position. Exact for lists of
+/// up to 2^24 entries.
 FN void blend_in_rounds(
     const Tile* tile, const Features* features, const RayLanes* ray, int j, Light* light) {
   const uint count = tile->end - tile->begin;

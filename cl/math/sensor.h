@@ -13,21 +13,21 @@
 #define LENS SIM_LENS_PINHOLE
 #endif
 
-// SIM_BEND_.. of a windshield before it.
+// SIM_BEND_.. of a windshield in front of it.
 #ifndef WINDSHIELD
 #define WINDSHIELD SIM_BEND_NONE
 #endif
 
-// Whether x comes round again after sensor->model.period.
+// Whether x is periodic with sensor->model.period.
 #if SENSOR == SENSOR_LIDAR || LENS == SIM_LENS_EQUIRECTANGULAR
 #define WRAPS 1
 #else
 #define WRAPS 0
 #endif
 
-/// (x, y) of a sensor-frame point: pixels, or the spin angle since the sweep's start (rad, by the shorter way
-/// round, in [-pi, pi]) and elevation (rad). `valid` is cleared in lanes where the point has no image: nearer
-/// than 1 cm to the camera or outside the lens's domain.
+/// (x, y) of a sensor-frame point: pixels, or the spin angle since the sweep's start (rad, shorter direction,
+/// in [-pi, pi]) and elevation (rad). `valid` is cleared in lanes without an image: nearer than 1 cm to the
+/// camera or outside the lens's domain.
 FN void project_point(__global const SensorConstants* sensor, const F* p, F* x, F* y, I* valid) {
 #if SENSOR == SENSOR_CAMERA
   F u, v;
@@ -68,7 +68,7 @@ FN void project_point(__global const SensorConstants* sensor, const F* p, F* x, 
 #endif
 }
 
-/// Share of the frame at which (x, y) is measured, in [0, 1]; a LiDAR's x is the unrolled spin angle.
+/// Share of the frame in [0, 1] at which (x, y) is measured; x of a LiDAR is the unrolled spin angle.
 FN F time_of(__global const SensorConstants* sensor, F x, F y) {
 #if SENSOR == SENSOR_CAMERA
   F t = fma(x, (F)sensor->model.time_x, fma(y, (F)sensor->model.time_y, (F)sensor->model.time_c));
@@ -79,7 +79,7 @@ FN F time_of(__global const SensorConstants* sensor, F x, F y) {
   return VMAX(t, (F)R(0.0));
 }
 
-/// Of `count` cells that start at `first`, `scale` to the rad, the one that holds x, or the one nearest to it.
+/// Index of the cell that contains x, or the nearest one, of `count` cells from `first` on, `scale` per rad.
 FN uint cell_of(real x, real first, real scale, real count) {
   return (uint)max(min((x - first) * scale, count - R(1.0)), R(0.0));
 }

@@ -1,11 +1,12 @@
-// sensor_pose.h - the sensor's pose at a time. Rays (rays.cl) and projection (project.cl) share it, so that they agree.
-// Build: MOVING = 1 when it changes during the frame.
+// sensor_pose.h - the sensor's pose at a time. Rays (rays.cl) and projection (project.cl) share it, so that
+// they agree.
+// Build: MOVING = 1 when the pose changes during the frame.
 #ifndef SIMULI_CL_MATH_SENSOR_POSE_H
 #define SIMULI_CL_MATH_SENSOR_POSE_H
 #include "math/elementary.h"
 #include "shared/sensor_constants.h"
 
-/// v turned about the unit axis by the angle whose sine and cosine are given (Rodrigues).
+/// Rotates v about the unit axis by the angle with the given sine and cosine (Rodrigues).
 FN void turn(__global const real* axis, F sine, F cosine, F* v) {
   const real ax = axis[0], ay = axis[1], az = axis[2];
   const F dot = (ax * v[0] + ay * v[1] + az * v[2]) * (R(1.0) - cosine);
@@ -29,7 +30,7 @@ FN void rotate_back(__global const real* m, const F* v, F* out) {
   out[2] = m[2] * v[0] + m[5] * v[1] + m[8] * v[2];
 }
 
-/// How far the sensor's centre moves during the frame (m).
+/// Path length of the sensor's centre during the frame (m).
 FN real centre_path(__global const SensorConstants* sensor) {
   return sqrt(sensor->centre_step[0] * sensor->centre_step[0] +
               sensor->centre_step[1] * sensor->centre_step[1] +
@@ -52,7 +53,7 @@ FN void world_from_sensor_vector(__global const SensorConstants* sensor, const F
 /// Sensor-frame coordinates at time t of the world point o_ref + p.
 FN void sensor_from_world_point(__global const SensorConstants* sensor, const F* p, F t, F* out) {
 #if MOVING
-  // o_ref + p - centre(t), the centre moving evenly about o_ref.
+  // o_ref + p - centre(t), with the centre moving uniformly about o_ref.
   const F u = t - R(0.5);
   const F moved[3] = {p[0] - sensor->centre_step[0] * u,
                       p[1] - sensor->centre_step[1] * u,

@@ -1,6 +1,6 @@
-// sh.h - real spherical harmonics up to degree 3, the basis and signs of the 3DGS file format: one text for the
-// device and for the host (host/core/scene/placement.cpp).
-// Coefficient k of channel c stands in parameter row SIM_SH + 3 k + c.
+// sh.h - real spherical harmonics up to degree 3, with basis and signs of the 3DGS file format: one text for
+// the device and the host (host/core/scene/placement.cpp). Coefficient k of channel c is in parameter row
+// SIM_SH + 3 k + c.
 #ifndef SIMULI_CL_MATH_SH_H
 #define SIMULI_CL_MATH_SH_H
 #ifndef __cplusplus
@@ -10,12 +10,13 @@
 
 #define SH_COEFFICIENTS ((SH_DEGREE + 1) * (SH_DEGREE + 1))
 
-// Build: SH_HALF = 1 when the rows from SIM_SH on are halves (float only).
+// Build: SH_HALF = 1 when rows from SIM_SH on are halves (float only).
 #ifndef SH_HALF
 #define SH_HALF 0
 #endif
 
-/// Coefficients k of `channel` of V particles from number i, or of that one alone, from params[rows][stride].
+/// Coefficients k of `channel` of V particles from number i on, or of that one alone, from
+/// params[rows][stride].
 #if SH_HALF
 #define SH_ROW(params, stride, k, channel) \
   ((const __global half*)((params) + (ulong)SIM_SH * (stride)) + (ulong)(3 * (k) + (channel)) * (stride))
@@ -33,8 +34,8 @@
 #endif
 
 #ifndef __cplusplus
-/// Has the first `rows` parameters of particles i .. i+V-1 fetched ahead of use, or their coefficients: of so many
-/// streams side by side hardware foresees none, and each would be waited for.
+/// Prefetches the first `rows` parameters, or the coefficients, of particles i .. i+V-1: hardware does not
+/// predict that many parallel streams.
 FN void call_for_rows(__global const real* params, uint stride, uint rows, uint i) {
   for (uint row = 0; row < rows; ++row) SIM_PREFETCH(params + (ulong)row * stride + i);
 }
@@ -73,7 +74,7 @@ FN void sh_basis(F x, F y, F z, F* basis) {
 }
 
 #if SH_DEGREE > 0
-/// Gradient in (x, y, z) of sum_k weight[k] basis[k], the polynomials extended off the unit sphere.
+/// Gradient in (x, y, z) of sum_k weight[k] basis[k], with the polynomials extended off the unit sphere.
 FN void sh_gradient(F x, F y, F z, const F* weight, F* gradient) {
   F gx = weight[3] * R(-0.4886025119029199);
   F gy = weight[1] * R(-0.4886025119029199);

@@ -1,5 +1,5 @@
 // shutter.h - the time at which a moving sensor sees a point: the fixed point t = time_of(project(p, pose(t)))
-// of METHOD section 3, and a bound on how fast its right side changes.
+// of METHOD section 3, and a bound on the derivative of its right side.
 #ifndef SIMULI_CL_MATH_SHUTTER_H
 #define SIMULI_CL_MATH_SHUTTER_H
 #include "math/carry.h"
@@ -7,13 +7,13 @@
 #ifndef SHUTTER_ITERATIONS
 #define SHUTTER_ITERATIONS 4
 #endif
-// Settled: this share of a row or column between the time that was looked at and the time that was seen.
+// Convergence threshold: share of a row or column time between the assumed and the observed time.
 #define SHUTTER_SETTLED R(0.03125)
-// While the rate is below it there is exactly one solution, and images are within 3 SHUTTER_SETTLED of it.
+// Below this rate there is exactly one solution, and images are within 3 SHUTTER_SETTLED of it.
 #define SHUTTER_RATE_MAX R(0.75)
 #define NO_BOUND R(1e9)  // px, rad, or a rate
 
-/// x by the way round that is nearest to `anchor`, for sensors whose x goes round.
+/// Shifts x by periods to the value nearest to `anchor`, for sensors with periodic x.
 FN F unrolled(__global const SensorConstants* sensor, F x, F anchor) {
 #if WRAPS
   return anchor + wrap_lanes(x - anchor, sensor->model.period);
@@ -22,9 +22,10 @@ FN F unrolled(__global const SensorConstants* sensor, F x, F anchor) {
 #endif
 }
 
-/// Image at its own time of the point of particle g that is at o_ref + p half-way, x being unrolled near
-/// the anchor; the search starts at time t. `valid` is cleared in lanes where the point has no image, or no time was found in
-/// SHUTTER_ITERATIONS looks. A lane that has settled stays as it is: results don't depend on the neighbours.
+/// Image, at its own time, of the point of particle g that is at o_ref + p at mid-frame, with x unrolled near
+/// the anchor; the iteration starts at time t. `valid` is cleared in lanes where the point has no image or
+/// SHUTTER_ITERATIONS iterations do not converge. A converged lane stays fixed, so that results do not depend
+/// on other lanes.
 FN void project_at_own_time(__global const SensorConstants* sensor,
                             const Gaussian* g,
                             const F* p,
@@ -46,8 +47,8 @@ FN void project_at_own_time(__global const SensorConstants* sensor,
     const F gap = time_of(sensor, *x, *y) - t;
     settled = fabs(gap) <= tolerance;
     if (!ANY(AND(*valid, NOT(settled)))) break;
-    // The first step is the iteration's own, later ones are its secants; they must not lead off where the
-    // rate is too high for that.
+    // The first step is a fixed-point step, later ones are secant steps; secants must not diverge where the
+    // rate is too high for them.
     const F dt = t - last_t;
     const F slope = (gap - last_gap) / SEL(dt != R(0.0), dt, (F)R(1.0));
     const I steady = AND(dt != R(0.0), AND(slope > R(-2.0), slope < R(-0.125)));
@@ -66,19 +67,19 @@ FN void project_at_own_time(__global const SensorConstants* sensor,
 }
 
 #if MOVING
-/// Bound on |d time_of / dt| of every point of particle g within `radius` of its centre, which is at `centre`,
-/// `range` away, in the frame of the sensor half-way (of a LiDAR from its reference height); times being shares
-/// of the frame. NO_BOUND or more where the points come too near or leave the cone in which the lens's slopes
-/// are known.
+/// Bound on |d time_of / dt| of every point of particle g within `radius` of its centre, which is at `centre`
+/// at distance `range` in the sensor frame at mid-frame (of a LiDAR relative to its reference height), with
+/// times as shares of the frame. NO_BOUND or more where the points come too near or leave the cone in which the
+/// lens's slopes are known.
 FN F shutter_rate(
     __global const SensorConstants* sensor, const Gaussian* g, const F* centre, F range, F radius) {
   const real angle = sensor->turn_angle;
   const F step = centre_path(sensor) + carried(g, radius);
-  const F ball = radius + R(0.5) * step;  // where the points may be, as seen from the centre half-way
+  const F ball = radius + R(0.5) * step;  // of all positions, seen from the mid-frame pose
 #if SENSOR == SENSOR_CAMERA
   const F nearest = range - ball;
   const I apart = nearest > R(1e-3) * range;
-  // rad per frame by which the direction to a point changes.
+  // Change in rad per frame of the direction to a point.
   const F turn = angle + step / SEL(apart, nearest, (F)R(1.0));
 #endif
 #if WRAPS
@@ -91,13 +92,13 @@ FN F shutter_rate(
   const real by_azimuth = sensor->model.inv_span;
   const F by_elevation = (F)R(0.0);
 #endif
-  // Azimuth changes as by the same motion at the least distance from the axis.
+  // Azimuth changes as fast as by the same motion at the smallest distance from the axis.
   const F flat = sqrt(fma(a, a, b * b)) - ball - R(0.5) * angle * range;
   const I aside = flat > R(1e-3) * range;
   const F around = (angle * (range + ball) + step) / SEL(aside, flat, (F)R(1.0));
   return fma((F)by_azimuth, SEL(aside, around, (F)NO_BOUND), by_elevation);
 #else
-  // The least cosine off the axis that any of the points has during the frame.
+  // Smallest cosine to the axis of any of the points during the frame.
   const F tangent2 = fma(range, range, -(ball * ball));
   const F off = ball / sqrt(SEL(apart, tangent2, (F)R(1.0))) + R(0.5) * angle;
   const F cosine = centre[2] / range - off;

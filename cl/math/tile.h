@@ -1,24 +1,24 @@
-// tile.h - a tile: its vectors of rays, its list of particles, and what one of these is to one of those.
+// tile.h - a tile: its vectors of rays, its list of particles, and the responses of rays to particles.
 #ifndef SIMULI_CL_MATH_TILE_H
 #define SIMULI_CL_MATH_TILE_H
 #include "math/response.h"
 #include "shared/sensor_constants.h"
 
-// Rays of a tile in this build: at most SIM_TILE_RAYS.
+// Rays of a tile in this build; at most SIM_TILE_RAYS.
 #define SIM_WALK_RAYS (V * NR * LS)
 #if NR > 32
-#error "vectors that have a ray are told by the bits of an uint"
+#error "active vectors are the bits of an uint"
 #endif
 
-// Slots of vector j of this work-item, from the tile's first slot, and its slot row.
+// First slot of vector j of this work-item, from the tile's first slot on, and its ray block.
 #define SIM_VECTOR_SLOT(j, lid) (((j)*LS + (lid)) * V)
 #define SIM_VECTOR_ROW(j, lid) (SIM_VECTOR_SLOT(j, lid) / SIM_RAY_BLOCK)
 
-/// The slot rows that a pair touches, a bit each.
+/// Ray blocks that a pair touches, one bit each.
 FN uint rows_of(uint payload) {
   const uint first = payload >> SIM_PARTICLE_BITS & 15u, last = payload >> (SIM_PARTICLE_BITS + 4);
 #if SENSOR == SENSOR_CAMERA
-  // Columns of blocks, and a copy of them for each row of blocks.
+  // Block columns, repeated for each row of blocks.
   const uint columns = (2u << (last & 3u)) - (1u << (first & 3u));
   return columns * (0x1111u & ((2u << (last | 3u)) - (1u << (first & 12u))));
 #else
@@ -26,10 +26,10 @@ FN uint rows_of(uint payload) {
 #endif
 }
 
-/// Whether vector j of a work-item lies in one of `rows`, a bit each.
+/// Whether vector j of a work-item lies in one of the ray blocks `rows` (one bit each).
 FN uint touches(uint rows, int j, uint lid) { return rows >> SIM_VECTOR_ROW(j, lid) & 1u; }
 
-/// The vectors of a work-item that it touches, a bit each.
+/// Vectors of a work-item that the pair touches, one bit each.
 FN uint vectors_of(uint payload, uint lid) {
   uint rows = rows_of(payload);
 #if LS == 1 && V == SIM_RAY_BLOCK
@@ -47,14 +47,14 @@ FN uint vectors_of(uint payload, uint lid) {
 #endif
 }
 
-// Loops over a work-item's vectors. Unrolled where there are several work-items (GPUs): what a vector has is in
-// registers then, while an array indexed by a variable is in memory.
+// Loops over a work-item's vectors. Unrolled on GPUs (several work-items per tile), so that vectors stay in
+// registers; an array with a variable index would be in memory.
 #if LS > 1
 #define SIM_EACH_VECTOR _Pragma("unroll")
 #else
 #define SIM_EACH_VECTOR
 #endif
-// Over those of `vectors`, a bit each, which is used up.
+// Loops over the vectors in the bit mask `vectors`, which is consumed.
 #if LS > 1
 #define SIM_EACH_VECTOR_OF(j, vectors) \
   SIM_EACH(j, NR)                      \
@@ -66,7 +66,7 @@ FN uint vectors_of(uint payload, uint lid) {
 #endif
 
 #if LS > 1
-// Records in four loads of 16 bytes, not in 16 of four: they are aligned to their size.
+// Loads a record in four aligned loads of 16 bytes instead of 16 of four.
 typedef REAL_VECTOR(4) Quarter;
 #define SIM_QUARTERS (SIM_RECORD / 4)
 FN void split_quarter(Quarter quarter, real* to) {
@@ -79,7 +79,7 @@ FN void load_record(__global const real* source, real* record) {
   __global const Quarter* quarters = (__global const Quarter*)source;
   SIM_EACH(k, SIM_QUARTERS) split_quarter(quarters[k], record + 4 * k);
 }
-/// To and from the records of a batch that a group has in local memory.
+/// Copies records of a batch to and from the group's local memory.
 FN void stage_record(__global const real* source, __local Quarter* staged, uint i) {
   __global const Quarter* quarters = (__global const Quarter*)source;
   SIM_EACH(k, SIM_QUARTERS) staged[i * SIM_QUARTERS + k] = quarters[k];
@@ -93,14 +93,14 @@ FN void load_record(__global const real* source, real* record) {
 }
 #endif
 
-/// A tile, as one of its work-items sees it.
+/// A tile from the point of view of one of its work-items.
 typedef struct {
   uint lid;
-  uint base;        // its first slot
+  uint base;        // first slot
   uint begin, end;  // of its list in payload
-  real u;           // its place along x
+  real u;           // position along x
   real t_min, t_max;
-  real t_cut, log_cut;  // of transmittance, and of alpha
+  real t_cut, log_cut;  // cuts of transmittance and of alpha
   __global const uint* payload;
   __global const real* records;
   __global const real* motions;
@@ -129,13 +129,13 @@ FN Tile tile_at(uint tile,
   return at;
 }
 
-/// A particle in a tile's list.
+/// A particle in a tile's list: a tile-Gaussian pair.
 typedef struct {
   uint place;   // in the list
-  uint packed;  // payload: the particle and its slot rows
+  uint packed;  // payload: the particle and its ray blocks
   uint particle;
   real record[SIM_RECORD];
-  real box_mean;  // of the record's two the one that is nearer to the tile
+  real box_mean;  // the nearer to the tile of the record's two positions
 #if ACTOR_MOTION
   int moves;  // during the frame
   real motion[SIM_MOTION];
@@ -143,7 +143,7 @@ typedef struct {
 } TilePair;
 
 #if ACTOR_MOTION
-/// Whether the record's particle moves during the frame. The record's box is one to compare with afterwards.
+/// Returns whether the record's particle moves during the frame, and makes the record's box comparable.
 FN int take_box(real* record) {
   const int moves = record[SIM_R_BOX_HALF] < R(0.0);
   record[SIM_R_BOX_HALF] = fabs(record[SIM_R_BOX_HALF]);
@@ -151,7 +151,8 @@ FN int take_box(real* record) {
 }
 #endif
 
-/// What follows from the payload and the record that `at` has. `always`: also the motion of what does not move.
+/// Derives the other members from the payload and the record in `at`. `always`: also loads the motion of
+/// particles at rest.
 FN void complete(const Tile* tile, uint place, uint packed, int always, TilePair* at) {
   at->place = place;
   at->packed = packed;
@@ -165,15 +166,15 @@ FN void complete(const Tile* tile, uint place, uint packed, int always, TilePair
   at->box_mean = nearest_box_mean(at->record, tile->u);
 }
 
-/// The one of a place of the list, from global memory.
+/// Loads a pair by its list position from global memory.
 FN void load_pair(const Tile* tile, uint place, TilePair* at) {
   const uint packed = tile->payload[tile->begin + place];
   load_record(tile->records + (ulong)(packed & SIM_PARTICLE_MASK) * SIM_RECORD, at->record);
   complete(tile, place, packed, 0, at);
 }
 
-/// The rays as the particle sees them: themselves, or in `own`. Copies make a CPU's backward pass 1.4 times as slow;
-/// on GPUs a value is in registers.
+/// Returns the rays in the particle's frame of reference: the rays themselves, or `own` for moving particles.
+/// On CPUs copies slow the backward pass by a factor of 1.4; on GPUs values are in registers.
 FN const RayLanes* seen_by(const TilePair* at, const RayLanes* ray, RayLanes* own) {
 #if ACTOR_MOTION
   if (at->moves) {
@@ -193,17 +194,17 @@ FN void meet(const Tile* tile, const TilePair* at, const RayLanes* seen, Respons
   respond(at->record, at->box_mean, seen, tile->t_min, tile->t_max, response);
 }
 
-/// Rays that are done: they meet nothing any more.
+/// Terminates rays: they hit nothing any more.
 FN void end_rays(I done, RayLanes* ray) {
   SIM_EACH(k, 3) ray->d[k] = SEL(done, (F)R(0.0), ray->d[k]);
 }
 
-/// The bit of vector j where it has a ray.
+/// The bit of vector j if it has an active ray.
 FN uint alive_bit(const RayLanes* ray, int j) {
   return (ANY(is_ray(ray->d[0], ray->d[1], ray->d[2])) ? 1u : 0u) << j;
 }
 
-/// Ends rays of vector j; without any left it is not `alive`.
+/// Terminates rays of vector j, and clears its bit in `alive` when none is left.
 FN void terminate_ray(I done, int j, RayLanes* ray, uint* alive) {
   if (!ANY(done)) return;
   end_rays(done, ray);

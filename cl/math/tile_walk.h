@@ -1,25 +1,25 @@
-// tile_walk.h - the walk over a tile's list of particles, nearest first, that kernels which blend share. They define
-// `struct Blending`, what a work-item knows of its rays, and blend_pair().
+// tile_walk.h - traverses a tile's list of particles, nearest first, for all kernels that blend. These define
+// `struct Blending`, the state of a work-item's rays, and blend_pair().
 #ifndef SIMULI_CL_MATH_TILE_WALK_H
 #define SIMULI_CL_MATH_TILE_WALK_H
 #include "math/tile.h"
 
 struct Blending;
-/// What a kernel does with a pair, for each of vectors_of() its payload that is alive.
+/// Processes a pair for each active vector in vectors_of() its payload.
 FN void blend_pair(const Tile* tile, const TilePair* at, uint* alive, struct Blending* blending);
 
 #if LS > 1
-// Records of a batch: of 256 they would leave AMD's compute units room for a third of their waves.
+// Records of a batch: 256 would limit AMD's compute units to a third of their waves.
 #define SIM_STAGED (LS < 128 ? LS : 128)
 
-/// Records of a batch of the list, each fetched by one work-item, for all of them.
+/// Records of a batch of the list, each loaded by one work-item for all.
 typedef struct {
   Quarter quarters[SIM_STAGED * SIM_QUARTERS];
   uint payload[SIM_STAGED];
   int alive;
 } Staged;
 
-/// Goes over the list as long as one of the group's work-items is alive. All of them call it.
+/// Traverses the list while any work-item of the group has active rays. All work-items call it.
 FN void walk(const Tile* tile, __local Staged* staged, uint* alive, struct Blending* blending) {
   const uint lid = tile->lid;
   for (uint batch = tile->begin; batch < tile->end; batch += SIM_STAGED) {
@@ -43,13 +43,13 @@ FN void walk(const Tile* tile, __local Staged* staged, uint* alive, struct Blend
     }
   }
 }
-// A statement of a kernel's outermost scope, where alone local memory is declared.
+// A statement of a kernel's outermost scope, the only place where local memory may be declared.
 #define SIM_WALK(tile, alive, blending) \
   __local Staged staged;                \
   walk(tile, &staged, alive, blending)
 #else
-/// Goes over the list as long as one of the vectors is alive; of particles that touch none that is, not even the
-/// record is read.
+/// Traverses the list while any vector is active; records of particles that touch no active vector are not
+/// read.
 FN void walk(const Tile* tile, uint* alive, struct Blending* blending) {
   const uint count = tile->end - tile->begin;
   __global const uint* list = tile->payload + tile->begin;

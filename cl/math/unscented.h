@@ -1,8 +1,8 @@
-// unscented.h - the box of a particle from the mean and covariance of its projection (METHOD section 4).
-// PROJECTION_UNSCENTED: seven sigma points, alpha = 1, beta = 2, kappa = 0, hence lambda = 0: mu and mu +- sqrt(3)
-// s^ e, mean weights 0 and 1/6, covariance weights 2 and 1/6. PROJECTION_LINEARIZED: the derivative at the centre.
-// PROJECTION_MONTE_CARLO: SIM_MONTE_CARLO normal samples, the same for every particle. Offsets are summed from the
-// projected centre, never raw coordinates.
+// unscented.h - a particle's box from mean and covariance of its projection (METHOD section 4).
+// PROJECTION_UNSCENTED: seven sigma points, alpha = 1, beta = 2, kappa = 0, hence lambda = 0: mu and mu +-
+// sqrt(3) s^ e, mean weights 0 and 1/6, covariance weights 2 and 1/6. PROJECTION_LINEARIZED: the derivative at
+// the centre. PROJECTION_MONTE_CARLO: SIM_MONTE_CARLO normal samples, the same for every particle. Sums use
+// offsets from the projected centre, never raw coordinates.
 #ifndef SIMULI_CL_MATH_UNSCENTED_H
 #define SIMULI_CL_MATH_UNSCENTED_H
 #include "math/gaussian.h"
@@ -15,7 +15,7 @@
 #define PROJECTION PROJECTION_UNSCENTED
 #endif
 
-// Nearer than this (rad) to the axis that azimuths go round, particles are all round.
+// Within this angle (rad) of the azimuth axis particles cover all azimuths.
 #define POLE_MARGIN R(0.05)
 
 typedef struct {
@@ -24,13 +24,13 @@ typedef struct {
   I valid;  // every projected point has an image at a time of its own
 } Box;
 
-/// What a sensor sees of a particle, px or rad: x within half_x of either place, y in [low, high].
+/// Bounds of a particle on the sensor, px or rad: x within half_x of either position, y in [low, high].
 typedef struct {
-  F mean_x, other_x, half_x;  // other_x differs from mean_x only where x goes round
+  F mean_x, other_x, half_x;  // other_x differs from mean_x only where x is periodic
   F low, high;
 } Bounds;
 
-/// offset + rotation (z * filtered scale): the point z standard deviations off the centre.
+/// offset + rotation (z * filtered scale): the point z standard deviations from the centre.
 FN void point_at(const Gaussian* g, F z0, F z1, F z2, F* p) {
   const F a = z0 * g->filtered[0], b = z1 * g->filtered[1], c = z2 * g->filtered[2];
   SIM_EACH(k, 3) {
@@ -39,9 +39,8 @@ FN void point_at(const Gaussian* g, F z0, F z1, F z2, F* p) {
   }
 }
 
-/// The box about the particle's place near `anchor`, the iteration starting at time t.
-/// reach: the radius in standard deviations at which alpha falls to the cut. Lanes that are not visible are
-/// not valid either.
+/// Box around the particle's position near `anchor`; the shutter iteration starts at time t. reach: radius in
+/// standard deviations at which alpha falls to the cut. Invisible lanes become invalid.
 FN void projected_box(__global const SensorConstants* sensor,
                       __global const real* normal_samples,
                       const Gaussian* g,
@@ -73,7 +72,7 @@ FN void projected_box(__global const SensorConstants* sensor,
   var_y = VMAX(fma(var_y, (F)share, -mean_y * mean_y), (F)R(0.0));
 #else
 #if PROJECTION == PROJECTION_LINEARIZED
-  const real arm = R(0.03125);  // central differences over a small part of a standard deviation
+  const real arm = R(0.03125);  // step of central differences in standard deviations
   const real weight = R(512.0);
 #else
   const real arm = R(1.7320508075688772);
@@ -90,7 +89,7 @@ FN void projected_box(__global const SensorConstants* sensor,
       dy[end] = y - y0;
     }
 #if PROJECTION == PROJECTION_LINEARIZED
-    // Both halves of the difference: the curvature cancels.
+    // Both halves of the difference, in which the curvature cancels.
     const F slope_x = (dx[0] - dx[1]) * R(0.5), slope_y = (dy[0] - dy[1]) * R(0.5);
     var_x = fma(slope_x, slope_x * (R(2.0) * weight), var_x);
     var_y = fma(slope_y, slope_y * (R(2.0) * weight), var_y);
@@ -117,7 +116,7 @@ FN void projected_box(__global const SensorConstants* sensor,
 }
 
 #if SENSOR == SENSOR_LIDAR && MOVING
-/// Raises x and y to how far the image of the centre moves from time t to t + dt.
+/// Raises x and y to the displacement of the centre's image from time t to t + dt.
 FN void drift(__global const SensorConstants* sensor, const Gaussian* g, F t, F dt, F* x, F* y) {
   F q[3], x0, y0, x1, y1;
   I seen = t == t;
@@ -130,9 +129,9 @@ FN void drift(__global const SensorConstants* sensor, const Gaussian* g, F t, F 
 }
 #endif
 
-/// Bounds by the projected points, of a particle `radius` large at `centre` in the frame of the sensor
-/// half-way. False in lanes where they are no measure of it: some point without an image or without a time of
-/// its own, a sensor that moves too fast for just one place, or a particle around the sensor or its axis.
+/// Bounds from projected points of a particle of size `radius` at `centre` in the sensor frame at mid-frame.
+/// False in lanes where these are no valid measure: a point without an image or without a time of its own, a
+/// sensor too fast for a unique image, or a particle around the sensor or its axis.
 #if SENSOR == SENSOR_CAMERA
 FN I unscented_bounds(const FrameParams* frame,
                       __global const SensorConstants* sensor,
@@ -161,15 +160,15 @@ FN I unscented_bounds(const FrameParams* frame,
 #if WRAPS
   const real period = sensor->model.period;
   out->other_x += SEL(box.mean_x < R(0.5) * period, (F)period, (F)-period);
-  // About a pole of the picture a particle is a band of all columns.
+  // Near a pole of the picture a particle covers all columns.
   const F flat = sqrt(centre[0] * centre[0] + centre[2] * centre[2]);
   known = AND(known, flat > fma(fabs(centre[1]), (F)POLE_MARGIN, radius));
 #if MOVING
-  // Columns that are exposed at different times: the two ends of the picture don't see the same place.
+  // Columns exposed at different times: the two ends of the picture do not show the same position.
   const I joined = AND(box.mean_x - box.half_x > R(0.0), box.mean_x + box.half_x < period);
   known = AND(known, OR(joined, (F)sensor->model.time_x == R(0.0)));
 #endif
-  // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
+  // More than half a period counts as the full period; for narrower boxes the nearer of both positions applies.
   const real widest = min(R(0.25) * period, R(0.5) * period - SIM_TILE_SIDE);
   out->half_x = SEL(box.half_x > widest, (F)NO_BOUND, box.half_x);
 #endif
@@ -202,7 +201,7 @@ FN I unscented_bounds(const FrameParams* frame,
   const F swept_first = (F)sensor->model.tile_first;
   const F swept_last = (F)sensor->model.tile_last;
   const F other_x = middle_x + around_back;
-  // Of what the sensor passes over or below, the azimuth changes too fast for a box.
+  // For particles that the sensor passes over or under, the azimuth changes too fast for a box.
   const real passed = R(0.5) * centre_path(sensor);
   const F travel = carried(g, radius);
   I known = AND(distance > radius + R(0.5) * travel,
@@ -215,7 +214,7 @@ FN I unscented_bounds(const FrameParams* frame,
     const F dt = (F)sensor->model.time_spread;
     drift(sensor, g, t0, dt, &drift_x, &drift_y);
     drift(sensor, g, t0, -dt, &drift_x, &drift_y);
-    // The spin angle that drifts tells another time itself: dt / (1 - rate of drift over rate of spin).
+    // A drifting spin angle implies another time: dt / (1 - rate of drift / rate of spin).
     const F farther = dt / (R(1.0) - VMIN(drift_x * sensor->model.inv_span / dt, (F)R(0.75)));
     drift(sensor, g, t0, farther, &drift_x, &drift_y);
     drift(sensor, g, t0, -farther, &drift_x, &drift_y);
@@ -224,7 +223,7 @@ FN I unscented_bounds(const FrameParams* frame,
   Box other = box;
   other.mean_x = other_x;
 #if MOVING
-  // The second place is seldom swept: look only where it may be, motion during the sweep included.
+  // The second position is rarely swept: evaluated only where it may be, including motion during the sweep.
   const F slack = R(2.0) * box.half_x + lever + drift_x + sensor->turn_angle + R(0.01) +
                   (fabs(sensor->centre_step[0]) + travel) / VMAX(flat, (F)R(1e-3)) +
                   fabs(sensor->centre_step[1]) / VMAX(flat, (F)R(1e-3));
@@ -246,7 +245,7 @@ FN I unscented_bounds(const FrameParams* frame,
   out->mean_x = box.mean_x;
   out->other_x = SEL(both, other.mean_x, box.mean_x);
   out->half_x = SEL(both, VMAX(box.half_x, other.half_x), box.half_x) + wider;
-  // Half the way round is all round: narrower boxes are told apart by the nearer of their places.
+  // More than half a period counts as the full period; for narrower boxes the nearer of both positions applies.
   out->half_x = SEL(out->half_x > R(1.5), (F)NO_BOUND, out->half_x);
   return known;
 }

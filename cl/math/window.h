@@ -1,19 +1,18 @@
-// window.h - the last responses of a vector that it has not blended yet, in its rays' own order. Behind light.h or
+// window.h - the latest unblended responses of a vector, sorted along its rays. Include after light.h or
 // light_bwd.h, whose blend() it calls.
 // Build: WINDOW entries, 2 or more.
 #ifndef SIMULI_CL_MATH_WINDOW_H
 #define SIMULI_CL_MATH_WINDOW_H
 #include "math/met.h"
 
-/// What the rays of one vector have met and not blended yet, nearest first: entry i of all that were ever put
-/// in came to i % WINDOW.
+/// Unblended responses of the rays of one vector, nearest first: the i-th inserted entry is at i % WINDOW.
 typedef struct {
   Met entry[WINDOW];
-  uint count;  // ever put in
+  uint count;  // number of inserted entries
 } Window;
 
-/// Puts `met` in; where the window is full, its nearest has been blended before. A list by range is nearly in order:
-/// most stay where they come in, at the far end.
+/// Inserts `met`; in a full window the nearest response must have been blended before. Lists by range are
+/// nearly sorted, so most entries stay at the far end.
 FN void put(Window* w, Met* met) {
   uint k = w->count++;
   const uint nearest = k < WINDOW ? 0 : k - (WINDOW - 1);
@@ -26,14 +25,14 @@ FN void put(Window* w, Met* met) {
   copy_met(met, &w->entry[k % WINDOW]);
 }
 
-/// Puts in what the rays `inside` along d meet of the pair.
+/// Inserts the responses of the rays `inside` along d to the pair.
 FN void put_pair(Window* w,
-                     const Tile* tile,
-                     const TilePair* at,
-                     const Response* response,
-                     I inside,
-                     const Features* features,
-                     const F* d) {
+                 const Tile* tile,
+                 const TilePair* at,
+                 const Response* response,
+                 I inside,
+                 const Features* features,
+                 const F* d) {
   Met met;
   const F last = w->count > 0 ? w->entry[(w->count - 1) % WINDOW].tau : (F)R(0.0);
   met.tau = SEL(inside, response->tau, last);
@@ -42,7 +41,7 @@ FN void put_pair(Window* w,
   put(w, &met);
 }
 
-/// Makes room in a full window for what the rays `inside` meet.
+/// Frees an entry of a full window for the responses of the rays `inside`.
 FN void blend_nearest(const Window* w, I inside, real t_cut, Light* light) {
   if (w->count >= WINDOW && ANY(inside)) blend(&w->entry[w->count % WINDOW], t_cut, light);
 }

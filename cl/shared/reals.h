@@ -1,5 +1,5 @@
-// reals.h - structs that both languages share and that hold `real`s alone: float or double as the build, on the host
-// what its text asks for (double; jets where lenses are fitted).
+// reals.h - structs shared by both languages that contain only `real`s: float or double by the build; on the
+// host the type requested by the code (double, or jets where lenses are fitted).
 #ifndef SIMULI_CL_SHARED_REALS_H
 #define SIMULI_CL_SHARED_REALS_H
 
@@ -14,7 +14,7 @@
 #define SIM_REALS_OF(name) name<real>
 
 namespace simuli::shared {
-/// How many reals a struct has, and these in the order in which they lie in memory: as they are uploaded.
+/// Number of reals in a struct, and the reals in memory order, as they are uploaded.
 template <template <class> class Struct>
 inline constexpr std::size_t kReals = sizeof(Struct<double>) / sizeof(double);
 template <template <class> class Struct>

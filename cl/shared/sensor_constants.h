@@ -1,5 +1,5 @@
-// sensor_constants.h - what a frame tells kernels of its sensor and of its actors. Structs as in reals.h.
-// All angles in rad, lengths in m, times as shares of the frame; 3x3 matrices row-major.
+// sensor_constants.h - constants of a frame's sensor and actors for kernels. Structs as in reals.h. All angles
+// in rad, lengths in m, times as shares of the frame; 3x3 matrices row-major.
 #ifndef SIMULI_CL_SHARED_SENSOR_CONSTANTS_H
 #define SIMULI_CL_SHARED_SENSOR_CONSTANTS_H
 
@@ -13,7 +13,7 @@ namespace simuli::shared {
 #define SENSOR_CAMERA 0
 #define SENSOR_LIDAR 1
 
-// The map from points before a camera to its picture: kinds (as LENS in cl/math/camera.h) ...
+// Lens model, the map from points in the camera frame to the picture: kinds (LENS in cl/math/camera.h) ...
 #define SIM_LENS_PINHOLE 0
 #define SIM_LENS_OPENCV_PINHOLE 1
 #define SIM_LENS_OPENCV_FISHEYE 2
@@ -23,12 +23,12 @@ namespace simuli::shared {
 #define SIM_LENS_EQUIRECTANGULAR 6
 #define SIM_LENS_DOUBLE_SPHERE 7
 #define SIM_LENS_EUCM 8
-// A polynomial of degree 5 in two variables a, b: rows of powers of a, 6 of b^0, 5 of b^1, ..., 1 of b^5.
+// A polynomial of degree 5 in two variables a, b: rows of powers of a, 6 for b^0, 5 for b^1, ..., 1 for b^5.
 #define SIM_BEND_TERMS 21
 #define SIM_BEND_NONE 0
-#define SIM_BEND_FORWARD 1   // the polynomials take rays from the world to the lens
-#define SIM_BEND_BACKWARD 2  // from the lens to the world
-// ... and constants. Angles are those off the optical axis; radii are in focal lengths.
+#define SIM_BEND_FORWARD 1   // the polynomials map rays from the world to the lens
+#define SIM_BEND_BACKWARD 2  // the polynomials map rays from the lens to the world
+// ... and constants. Angles are relative to the optical axis; radii are in focal lengths.
 SIM_REALS(LensConstants) {
   real cos_min;         // MEI, double sphere, EUCM: points at smaller cosines have no image
   real angle_max;       // fisheye, F-theta
@@ -40,8 +40,8 @@ SIM_REALS(LensConstants) {
   real xi;              // MEI, double sphere
   real alpha;           // double sphere, EUCM
   real beta;            // EUCM
-  // A windshield before the lens: SIM_BEND_.., the polynomials of both angles, those of about the way back, and the
-  // cosine off the axis above which rays get through.
+  // A windshield in front of the lens: SIM_BEND_.., the polynomials of both angles, those of the approximate
+  // inverse, and the smallest cosine to the axis of rays that pass.
   real bend;
   real bend_cos_min;
   real bend_horizontal[SIM_BEND_TERMS], bend_vertical[SIM_BEND_TERMS];
@@ -49,38 +49,38 @@ SIM_REALS(LensConstants) {
 }
 SIM_REALS_END(LensConstants);
 
-// Of a sensor's model, the same in every frame. What the other kind of sensor has is 0.
+// Constants of a sensor's model, equal in all frames. Members of the other kind of sensor are 0.
 SIM_REALS(ModelConstants) {
   real kappa;  // footprint variance per squared metre of range
   real t_min;
   real t_max;
-  real period;        // of x: 2 pi for a LiDAR, the width of a picture that goes round, else 0
-  real time_step;     // from one row or column to the next that is later
+  real period;        // of x: 2 pi for a LiDAR, the width of a periodic picture, else 0
+  real time_step;     // from one row or column to the next later one
   real height;        // mean vertical offset of the beams
-  real lever;         // reach of the beams' origins about that height
-  real rays_per_rad;  // square root of rays per sr: at a lens's axis, in the mean of a LiDAR's
+  real lever;         // largest distance of the beams' origins from that height
+  real rays_per_rad;  // square root of rays per sr: on a camera's axis, LiDAR: mean
 
   // Cameras, in px.
   real fx, fy;
   real cx, cy;
   real picture_width, picture_height;
-  real first_column, last_column, first_row, last_row;  // between which all pixels that are asked for lie
+  real first_column, last_column, first_row, last_row;  // bounds of the requested pixels
   real time_x, time_y, time_c;                          // exposure = time_c + time_x * x + time_y * y
-  real lens_cone;      // half angle of the cone about the axis where the slopes hold
-  real lens_slope[2];  // px per rad there along x and y, at most
-  real lens_bend[2];   // second derivatives there along any great circle, px per rad^2, at most
+  real lens_cone;      // half angle of the cone about the axis in which the slopes hold
+  real lens_slope[2];  // largest px per rad along x and y in the cone
+  real lens_bend[2];   // largest second derivatives along great circles in the cone, px per rad^2
   SIM_REALS_OF(LensConstants) lens;
 
   // LiDARs. x is the spin angle since the sweep's start.
-  real azimuth_cut;               // where the sweep starts
+  real azimuth_cut;               // azimuth at which the sweep starts
   real spin;                      // +1 counter-clockwise, -1 clockwise
   real inv_span;                  // 1 / rad swept
-  real time_first;                // at which the sweep starts
-  real time_spread;               // rays fire at most this long before or after what x tells
-  real row_spread;                // rays' elevations are at most this off their row's
+  real time_first;                // time at which the sweep starts
+  real time_spread;               // largest deviation of a ray's time from the time of its x
+  real row_spread;                // largest deviation of a ray's elevation from its row's
   real lut_first, lut_scale;      // elevation of the look-up table's first bin, bins per rad
   real tile_first, tile_last;     // x where the first tile starts and the last one ends
-  real tile_scale, tile_bins;     // bins of x per rad, and their number; column_of_bin tells the tile of each
+  real tile_scale, tile_bins;     // bins of x per rad, and their number; column_of_bin has the tile of each
   real mask_scale, mask_columns;  // columns of the ray mask per rad of x, and their number
 }
 SIM_REALS_END(ModelConstants);
@@ -91,40 +91,40 @@ SIM_REALS_END(ModelConstants);
 SIM_REALS(DropConstants) {
   real skip[SIM_DROP_INPUTS];
   real bias;
-  // Of each hidden value: by the inputs, and its own bias.
+  // Weights of each hidden value: by the inputs, and its bias.
   real hidden[SIM_DROP_HIDDEN * (SIM_DROP_INPUTS + 1)];
   real out[SIM_DROP_HIDDEN];
 }
 SIM_REALS_END(DropConstants);
 
-// Of a sensor in one frame. o_ref is its centre half-way.
+// Constants of a sensor in one frame. o_ref is its centre at mid-frame.
 SIM_REALS(SensorConstants) {
-  real centre_ref[3];      // o_ref, from the scene's origin
+  real centre_ref[3];      // o_ref relative to the scene's origin
   real centre_step[3];     // centre at the end minus centre at the start
   real rotation_start[9];  // sensor_from_scene at the start
-  real rotation_ref[9];    // half-way
-  real turn_axis[3];       // of the turn from start to end, sensor frame
+  real rotation_ref[9];    // at mid-frame
+  real turn_axis[3];       // axis of the rotation from start to end, sensor frame
   real turn_angle;
-  real cos_view, sin_view;  // camera: of the cone about the optical axis that holds what is seen at any time
+  real cos_view,
+      sin_view;  // camera: of the cone about the optical axis that contains everything visible at any time
   real alpha_cut;
   real transmittance_cut;
   real background[3];  // features
-  real detail_reach;   // m away for each m of a particle that is drawn in others' place (DETAIL)
+  real detail_reach;   // distance in m per metre of a particle that represents others (DETAIL)
   SIM_REALS_OF(DropConstants) drop;
   SIM_REALS_OF(ModelConstants) model;
 }
 SIM_REALS_END(SensorConstants);
 
-// One for the background and one per actor: scene_from_actor half-way through the frame and how it changes from
-// start to end.
+// One for the background and one per actor: scene_from_actor at mid-frame and its change from start to end.
 SIM_REALS(ActorConstants) {
   real centre[3];  // minus o_ref
-  real step[3];    // centre at the end minus centre at the start
+  real step[3];    // origin at the end minus origin at the start
   real rotation[9];
-  real turn_axis[3];  // of the turn from start to end, scene axes
+  real turn_axis[3];  // axis of the rotation from start to end, scene axes
   real turn_angle;
-  real there;  // of its particles' opacity; 0: not in this frame
-  real reach;  // m, the farthest that its shape moves a point in this frame
+  real there;  // factor of its particles' opacity; 0: not in this frame
+  real reach;  // m, largest displacement by its shape in this frame
 }
 SIM_REALS_END(ActorConstants);
 

@@ -1,5 +1,5 @@
-// support.h - what a frame's rays are compared with to tell how well they are known. Structs as in reals.h; lengths in m,
-// 3x3 matrices row-major.
+// support.h - data against which a frame's rays are compared to compute support. Structs as in reals.h; lengths
+// in m, 3x3 matrices row-major.
 #ifndef SIMULI_CL_SHARED_SUPPORT_H
 #define SIMULI_CL_SHARED_SUPPORT_H
 
@@ -9,7 +9,7 @@
 namespace simuli::shared {
 #endif
 
-// Neighbours along a slot row that are looked up alike.
+// Neighbouring rays of a block that share one lookup.
 #define SIM_SUPPORT_RUN 4
 
 SIM_REALS(SupportPose) {
@@ -20,8 +20,8 @@ SIM_REALS_END(SupportPose);
 
 SIM_REALS(SupportFrame) {
   SIM_REALS_OF(SupportPose) start, end;  // scene from sensor
-  // Of the logarithm of odds: a bias, by angle and scale; of LiDARs by doubt whether a ray returns, its drop
-  // probability, and how far median and mean distance are apart.
+  // Coefficients of the log odds: bias, angle and scale; for LiDARs doubt whether a ray returns, its drop
+  // probability, and the difference between median and mean distance.
   real bias, angle, scale, doubt, drop, apart;
 }
 SIM_REALS_END(SupportFrame);
@@ -32,7 +32,7 @@ SIM_REALS(SupportGrid) {
   real first_row, rows_per_unit;
   real columns, rows;
   real first_cell;
-  real fineness;  // its rays per radian over those of the sensor now
+  real fineness;  // its rays per radian relative to the current sensor
 }
 SIM_REALS_END(SupportGrid);
 
@@ -45,9 +45,9 @@ SIM_REALS_END(SupportBox);
 // A recorded view, from the axes of the scene or of an actor.
 SIM_REALS(SupportView) {
   real rotation[9];  // to the view's axes
-  real position[3];  // where it stood
-  real there;        // 1, or 0: it has seen another state of the world
-  real enlargement;  // how many times larger lengths were then
+  real position[3];  // of the view
+  real there;        // 1, or 0: it recorded another state of the actor
+  real enlargement;  // ratio of lengths then and now
 }
 SIM_REALS_END(SupportView);
 
