@@ -66,7 +66,7 @@ shared::SupportPose<double> support_pose(const Pose& pose) {
   Eigen::Map<Eigen::Vector3d>{out.translation} = pose.translation;
   return out;
 }
-/// A recorded view, from axes in which lengths were `factor` times theirs then.
+/// Returns a recorded view relative to axes in which lengths are `factor` times the recorded ones.
 shared::SupportView<double> support_view(const Pose& view_from_axes, double factor) {
   shared::SupportView<double> out{};
   out.there = 1.0;
@@ -81,7 +81,7 @@ Pose moved(Pose pose, const Eigen::Vector3d& by_m) {
   return pose;
 }
 
-/// What one frame is compared with.
+/// Inputs of the comparison of one frame with recorded views.
 struct Comparison {
   std::uint32_t actors = 0;
   std::vector<double> boxes, views, grids;  // reals of the kernel's structs
@@ -144,7 +144,8 @@ double rays_per_rad_of(const Sensor& sensor) {
   return sensor.is_camera() ? rays_per_rad(sensor.camera()) : rays_per_rad(sensor.lidar());
 }
 
-/// Rows of a block of pixels that are told alike, so that this is a quarter of a recorded cell.
+/// Number of rows of a pixel block that share one lookup, so that they span at most a quarter of a recorded
+/// cell.
 std::uint32_t rows_alike(const SupportRecord& record,
                          const std::vector<std::size_t>& views,
                          const Sensor& sensor) {
@@ -163,8 +164,8 @@ std::uint32_t rows_alike(const SupportRecord& record,
 }  // namespace
 
 const SupportTrust& support_trust(SetKind kind) {
-  // Cameras: fitted to the street on its path and beside it, to pictures of drives that were held out, and to whole
-  // cameras of PandaSet that were; LiDARs: to the street on its path and 1.5 m to either side: bench/RESULTS.md.
+  // Cameras: fitted to the street on and off its path, to held-out pictures of drives, and to held-out cameras
+  // of PandaSet; LiDARs: to the street on its path and 1.5 m to either side (bench/RESULTS.md).
   static const SupportTrust camera{-6.28, -0.98, 1.64, -1.44, -0.25, -0.79, 0.0, 0.0, 0.0};
   static const SupportTrust lidar{-2.52, 0.0, 0.0, -1.00, 0.0, -0.95, -3.10, 4.50, -1.67};
   return kind == SetKind::kCamera ? camera : lidar;
@@ -196,7 +197,7 @@ std::vector<std::size_t> support_views_around(const SupportRecord& record,
 }
 
 struct SupportOnDevice::State {
-  /// Of one precision.
+  /// Buffers and kernels of one precision.
   struct Stage {
     Stage(const Device& device, Precision precision)
         : lanes(lane_shape_of(device, precision).lanes),
@@ -248,7 +249,7 @@ struct SupportOnDevice::State {
 
   Device device;
   std::shared_ptr<const SupportRecord> record;
-  std::vector<std::size_t> first_cells;  // of the views
+  std::vector<std::size_t> first_cells;  // first cell of each view
   std::optional<Stage> single, twice;
 };
 

@@ -3,17 +3,17 @@
 
 namespace simuli {
 
-/// Weights of a grid's own losses: of the squared differences of neighbours and to the identity.
+/// Weights of a colour grid's regularisation: squared differences between neighbours and to the identity.
 struct ColorGridScale {
   double variation = 0.0;
   double drift = 0.0;
 };
 
-/// What a backward pass may give beside the gradients of particles, and what it may take.
+/// Optional outputs of a backward pass, and its memory limit.
 struct BackwardExtras {
   bool errors = false;  // ray_error -> pair_error, weighted by blending
-  /// Where rays have orders of their own, what they blend is kept for tiles of together at most so many
-  /// pairs at a time, at least for one tile: 2 KB each in float. Gradients are the same bits.
+  /// For rays in their own order, replay data are stored for tiles with up to this many pairs in total at a
+  /// time, but at least one tile: 2 KB per pair in float. Gradients have the same bits for any value.
   std::size_t replayed = std::size_t{1} << 17U;
 };
 

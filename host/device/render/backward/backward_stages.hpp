@@ -1,6 +1,6 @@
 #pragma once
-// The stages of a frame taken back, each a launcher with the stem of its kernel file; those of
-// host/device/render/frame/stages.hpp in the opposite order. Losses leave GradientBuffers::grad_out.
+// The backward stages of a frame, in the opposite order of host/device/render/frame/stages.hpp. Each is a
+// launcher with the stem of its kernel file. Losses write GradientBuffers::grad_out.
 #include <optional>
 
 #include "host/device/render/backward/backward_options.hpp"
@@ -11,7 +11,7 @@ namespace simuli {
 
 struct ColorGridGradientSizes {
   std::uint64_t rows = 0;          // of the picture
-  std::uint64_t row_partials = 0;  // reals of one
+  std::uint64_t row_partials = 0;  // reals of one row partial
 };
 struct ColorGridScratch : BufferTable<ColorGridGradientSizes> {
   using BufferTable::BufferTable;
@@ -19,10 +19,11 @@ struct ColorGridScratch : BufferTable<ColorGridGradientSizes> {
       *this, "color_grid_sums", [](const ColorGridGradientSizes& s) { return s.rows * s.row_partials; }};
 };
 
-/// Behind grading: grad_out of the picture -> grad_out of what went in, grads[reals] of the grid.
+/// Backward pass of a colour grid: grad_out of the corrected picture -> grad_out of the input picture,
+/// grads[reals] of the grid.
 class ColorGridBackwardStage {
  public:
-  /// For grids of the sizes of `grids`.
+  /// For grids of the same sizes as `grids`.
   ColorGridBackwardStage(const Device& device, const ColorGridBuffers& grids);
   void run(const shared::FrameParams& frame,
            int width,
@@ -35,8 +36,8 @@ class ColorGridBackwardStage {
            RealBuffer& grads);
 
  private:
-  std::size_t columns_, row_items_;       // cells along x; work-items that share a row of pixels
-  std::size_t vertices_, partial_reals_;  // of one grid; of one row of pixels
+  std::size_t columns_, row_items_;  // cells along x; work-items per row of pixels
+  std::size_t vertices_, partial_reals_;  // vertices of a grid; reals per row of pixels
   ColorGridScratch scratch_;
   Kernel rows_, pixels_, gather_;
 };
@@ -53,11 +54,12 @@ struct EnvironmentScratch : BufferTable<EnvironmentGradientSizes> {
   Words first{*this, "cell_first", [](const EnvironmentGradientSizes& s) { return s.cells + 1; }};
 };
 
-/// Behind the environment: out, grad_out -> grads[height][width][4], and tv_scale times the gradient of the
-/// total variation: squared differences of neighbours, sideways over cos(elevation), up and down times it.
+/// Backward pass of the environment: out, grad_out -> grads[height][width][4], plus tv_scale times the gradient
+/// of the total variation: squared differences between neighbours, horizontally divided by cos(elevation),
+/// vertically multiplied by it.
 class EnvironmentBackwardStage {
  public:
-  /// `lanes` as EnvironmentStage.
+  /// `lanes` as in EnvironmentStage.
   EnvironmentBackwardStage(const Device& device, Precision precision, int lanes = 0);
   void run(const shared::FrameParams& frame,
            const EnvironmentBuffers& environment,
@@ -76,7 +78,7 @@ class EnvironmentBackwardStage {
   Kernel cells_, ranges_, gather_;
 };
 
-/// Behind blending: out, grad_out -> gradient slots, and the extras. S -> K.
+/// Backward pass of blending: out, grad_out -> gradient slots, and the optional outputs. S -> K.
 class RenderBackwardStage {
  public:
   RenderBackwardStage(const Device& device, const Variant& variant);
@@ -101,11 +103,11 @@ class RenderBackwardStage {
   ScanStage scan_;
   std::optional<Kernel> replay_window_, replay_per_ray_;
   Kernel slot_counts_;
-  std::optional<Kernel> kernels_[2];  // [errors], made when asked for
+  std::optional<Kernel> kernels_[2];  // [errors], made on demand
 };
 
-/// Behind projection: gradient slots -> param_grads[param_rows][stride], and pose_grads of actors. K -> N.
-/// 0 for culled particles.
+/// Backward pass of projection: gradient slots -> param_grads[param_rows][stride], and pose_grads of actors; 0
+/// for culled particles. K -> N.
 class ProjectBackwardStage {
  public:
   ProjectBackwardStage(const Device& device, const Variant& variant);

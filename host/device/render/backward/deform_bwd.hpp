@@ -1,5 +1,5 @@
 #pragma once
-// Gradients of the shapes of actors that are not rigid.
+// Gradients of the deformations of non-rigid actors.
 #include <cstdint>
 #include <vector>
 
@@ -10,7 +10,7 @@
 
 namespace simuli {
 
-/// dL/d(DeformationView) of an actor: [nodes][3] at the frame's start and end. Empty: it has no shape.
+/// dL/d(DeformationView) of an actor: [nodes][3] at the frame's start and end. Empty for a rigid actor.
 struct DeformationGradient {
   std::vector<double> start, end;
 };
@@ -18,7 +18,7 @@ struct DeformationGradient {
 struct DeformSizes {
   std::uint64_t nodes = 0;  // of all actors
 
-  static constexpr std::uint32_t kChunks = 8;  // of each actor's list, summed side by side
+  static constexpr std::uint32_t kChunks = 8;  // chunks of each actor's list, summed in parallel
 };
 struct DeformBuffers : BufferTable<DeformSizes> {
   using BufferTable::BufferTable;
@@ -29,17 +29,17 @@ struct DeformBuffers : BufferTable<DeformSizes> {
       *this, "deform_sums", [](const DeformSizes& s) { return 3 * DeformSizes::kChunks * s.nodes; }};
 };
 
-/// Behind ProjectBackwardStage.
+/// Runs after ProjectBackwardStage.
 class DeformBackwardStage {
  public:
   DeformBackwardStage(const Device& device, Precision precision);
-  /// Sums of the nodes' gradients; and param_grads, which were by where the particles are, become those by
-  /// their means. In one fixed order: the same frame gives the same bits.
+  /// Sums the node gradients, and converts param_grads from gradients by deformed positions to gradients by
+  /// means. The order is fixed: the same frame gives the same bits.
   void run(const ShapesInFrame& shapes,
            const ParticleBuffers& particles,
            const FrameBuffers& made,
            RealBuffer& param_grads);
-  /// Of the last run(), [A]. Waits.
+  /// Gradients [A] of the last run(). Waits.
   [[nodiscard]] std::vector<DeformationGradient> gradients(const ShapesInFrame& shapes) const;
 
  private:

@@ -31,7 +31,7 @@ void EnvironmentBackwardStage::run(const shared::FrameParams& frame,
                                    const Blended& blended,
                                    const GradientBuffers& gradients,
                                    RealBuffer& grads) {
-  const std::uint32_t cells = environment.width * environment.height + 1;  // the last: sees none of it
+  const std::uint32_t cells = environment.width * environment.height + 1;  // the last cell: rays that see no texel
   scratch_.reserve({frame.slots, cells});
   grads.reserve(environment.texture.count());
   cells_.run_over(frame.slots / static_cast<std::size_t>(lanes_),

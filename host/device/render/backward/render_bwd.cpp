@@ -1,5 +1,5 @@
-// Launcher of "kernels/render_bwd_lanes.cl" or "kernels/render_bwd_groups.cl", of "kernels/slot_counts.cl" before it
-// and, where rays have orders of their own, of "kernels/replay_window.cl" and "kernels/replay_per_ray.cl".
+// Launcher of "kernels/render_bwd_lanes.cl" or "kernels/render_bwd_groups.cl", after "kernels/slot_counts.cl"
+// and, for rays in their own order, "kernels/replay_window.cl" and "kernels/replay_per_ray.cl".
 #include <algorithm>
 #include <vector>
 
@@ -8,8 +8,8 @@
 namespace simuli {
 namespace {
 
-/// Runs of tiles, their first and the one behind their last, whose lists have together at most `most` places;
-/// of a tile of more, itself.
+/// Runs of tiles [first, last) whose lists have up to `most` entries in total; a tile with more is a run by
+/// itself.
 struct TileRun {
   std::uint32_t first = 0, end = 0;
   std::size_t places = 0;

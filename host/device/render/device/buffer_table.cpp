@@ -6,7 +6,7 @@
 
 namespace simuli::detail {
 
-// Members lie in the same object as their table, so that a table that moves still finds them.
+// Members and table are in the same object, so offsets remain valid when the table moves.
 Memory& TableRows::memory(const Row& row) {
   return *reinterpret_cast<Memory*>(reinterpret_cast<std::byte*>(this) + row.offset);
 }

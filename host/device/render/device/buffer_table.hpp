@@ -1,5 +1,5 @@
 #pragma once
-// What is kept on a device, declared once: a struct whose members are rows of a table.
+// Declarative tables of device buffers: a struct whose members are rows of a table.
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -21,12 +21,12 @@ struct BufferBytes {
 
 namespace detail {
 
-/// The part of BufferTable that doesn't know what its rows are sized by.
+/// The part of BufferTable that does not depend on the type of sizes.
 class TableRows {
  public:
   struct Row {
     const char* name;
-    std::ptrdiff_t offset;  // of its Memory from the table
+    std::ptrdiff_t offset;  // offset of the Memory from the table
     std::size_t element_bytes;
     const PassedType* type;
     const PassedType* const_type;
@@ -50,15 +50,15 @@ class TableRows {
 
 }  // namespace detail
 
-/// Buffers of a common purpose. Each member is a row: the name that kernels' arguments, errors and the
-/// account of memory (Device::memory_by_name) know it by, unique in the program; its elements; how many for
-/// `Sizes`.
+/// Buffers of a common purpose. Each member is a row: a name, unique in the program, which is used by kernel
+/// arguments, errors and memory statistics (Device::memory_by_name); an element type; and the number of
+/// elements as a function of `Sizes`.
 ///   struct Projected : BufferTable<FrameSizes> {
 ///     using BufferTable::BufferTable;
 ///     Reals records{*this, "records", [](const FrameSizes& s) { return SIM_RECORD * s.particles; }};
 ///     Words keys{*this, "keys", [](const FrameSizes& s) { return s.particles; }};
 ///   };
-/// A table is an ArgumentGroup: kernels take those of its members that they have an argument for.
+/// A table is an ArgumentGroup: kernels receive the members that they have arguments for.
 template <class Sizes>
 class BufferTable {
  public:
@@ -86,7 +86,7 @@ class BufferTable {
     }
   };
   using Words = Array<std::uint32_t>;
-  /// Structs of reals; sized in reals.
+  /// Structs of reals; the size counts reals.
   template <template <class> class T>
   class Structs : public StructBuffer<T> {
    public:
@@ -100,11 +100,12 @@ class BufferTable {
     }
   };
 
-  /// Every member as Buffer::reserve(): grows, never shrinks, keeps what need not grow.
+  /// Calls Buffer::reserve() for each member: grows, never shrinks, keeps the content of members that need not
+  /// grow.
   void reserve(const Sizes& sizes) {
     for (std::size_t row = 0; row < counts_.size(); ++row) rows_.reserve(row, counts_[row](sizes));
   }
-  /// What reserve(sizes) would take, member by member.
+  /// Returns the bytes of each member after reserve(sizes).
   [[nodiscard]] std::vector<BufferBytes> bytes(const Sizes& sizes) const {
     std::vector<BufferBytes> all;
     for (std::size_t row = 0; row < counts_.size(); ++row)
@@ -133,7 +134,7 @@ class BufferTable {
     counts_.push_back(count);
   }
 
-  detail::TableRows rows_;  // first: its members are found from where it lies
+  detail::TableRows rows_;  // first member: rows are located relative to it
   std::vector<Count> counts_;
   Device device_;
   Precision precision_;

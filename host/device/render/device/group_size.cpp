@@ -16,7 +16,7 @@ std::size_t group_size_for(const Device& device,
     return Kernel(Program(device, file, BuildOptions(options).define("LS", size)), kernel).max_local_size() >=
            size;
   };
-  // Registers may leave room for fewer than the device's own maximum.
+  // Register use may limit groups to less than the device's maximum.
   while (size > 1 && !std::all_of(kernels.begin(), kernels.end(), runs)) size /= 2;
   return size;
 }

@@ -7,9 +7,9 @@
 
 namespace simuli {
 
-/// Work-items a group, as many as `wanted` or half of that, a quarter, ...: the most with which the device
-/// runs all of these kernels of a file when they are built with LS of that size. Error{kDevice} when it runs
-/// none.
+/// Returns the number of work-items per group: the largest of `wanted`, wanted / 2, wanted / 4, ... for which
+/// the device can run all these kernels of a file, built with LS of that size. Throws Error{kDevice} when there
+/// is none.
 [[nodiscard]] std::size_t group_size_for(const Device& device,
                                          const char* file,
                                          const BuildOptions& options,

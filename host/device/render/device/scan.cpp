@@ -10,7 +10,7 @@ namespace simuli {
 namespace {
 
 constexpr const char* kScanFile = "kernels/scan.cl";
-constexpr std::size_t kOwn = 8;  // elements of each work-item, where there are groups of them
+constexpr std::size_t kOwn = 8;  // elements of each work-item in groups of several
 
 std::size_t scan_work_items(const Device& device) {
   if (device.info().is_cpu) return 1;

@@ -8,14 +8,14 @@
 
 namespace simuli {
 
-/// How many work-items share a pass over n elements, in groups of how many, and how many consecutive elements
-/// each takes; those of the last group may have none.
+/// Division of n elements among work-items: their number, group size, and consecutive elements of each; those
+/// of the last group may have none.
 struct Chunks {
   std::size_t work_items = 0;  // a multiple of `group`
   std::size_t group = 1;
   std::uint32_t chunk = 0;
 };
-/// `group`: work-items of a group, 0: as suits the device.
+/// `group`: work-items per group, 0: chosen for the device.
 [[nodiscard]] Chunks chunks_of(const Device& device, std::size_t n, std::size_t group = 0);
 
 struct ScanSizes {
@@ -29,14 +29,14 @@ struct ScanBuffers : BufferTable<ScanSizes> {
 
 class ScanStage {
  public:
-  /// In groups of `work_items`; 0: as suits the device. Tests run the GPU's way on CPUs.
+  /// Uses groups of `work_items`; 0: chosen for the device. Tests run the GPU configuration on CPUs.
   explicit ScanStage(const Device& device, std::size_t work_items = 0);
-  /// Exclusive prefix sum of data[0, n) in place; returns the 64-bit total when `wanted` (waits).
+  /// Computes the exclusive prefix sum of data[0, n) in place; returns the 64-bit total if `wanted` (waits).
   std::uint64_t run(Buffer<std::uint32_t>& data, std::uint32_t n, bool wanted);
-  /// Of two lists that follow each other in data[0, 2 n): the first becomes its exclusive prefix sum, the
-  /// second is lost; returns the totals of both, the first within 32 bits (waits, once).
+  /// For two consecutive lists in data[0, 2 n): replaces the first by its exclusive prefix sum and destroys the
+  /// second; returns both totals, the first within 32 bits (waits once).
   std::pair<std::uint32_t, std::uint64_t> run_two(Buffer<std::uint32_t>& data, std::uint32_t n);
-  /// What a list of n elements takes on a device.
+  /// Returns the buffer sizes for a list of n elements.
   [[nodiscard]] static ScanSizes sizes(const Device& device, std::uint64_t n, std::size_t work_items = 0);
 
  private:

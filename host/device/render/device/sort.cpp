@@ -10,9 +10,9 @@ namespace simuli {
 namespace {
 
 constexpr const char* kSortFile = "kernels/sort.cl";
-constexpr std::size_t kLeastBlock = 1024;  // pairs that make a group of many work-items worth its counters
+constexpr std::size_t kLeastBlock = 1024;  // smaller blocks do not pay for a group's counters
 
-/// Whether groups of one work-item suit the device: those of others sort in local memory.
+/// Whether groups of one work-item suit the device; larger groups sort in local memory.
 bool is_alone(const Device& device, std::size_t asked) {
   return asked == 0 ? device.info().is_cpu : asked == 1;
 }

@@ -6,10 +6,10 @@
 
 namespace simuli {
 
-/// What a sort of `pairs` keeps beside them.
+/// Buffer sizes of a sort in addition to the pairs.
 struct SortSizes {
   std::uint64_t pairs = 0;
-  std::uint64_t counters = 0;  // digits x work-groups, at most
+  std::uint64_t counters = 0;  // digits x work-groups, upper bound
 };
 struct SortBuffers : BufferTable<SortSizes> {
   using BufferTable::BufferTable;
@@ -20,13 +20,15 @@ struct SortBuffers : BufferTable<SortSizes> {
 
 class SortStage {
  public:
-  /// Work-groups of one work-item sort 11 bits a pass, larger ones (at least 16) 8; 0: as suits the device.
+  /// Work-groups of one work-item sort 11 bits a pass, larger ones (at least 16) 8 bits; 0: chosen for the
+  /// device.
   explicit SortStage(const Device& device, std::size_t work_items = 0);
-  /// Sorts n pairs by the low `bits` of the key, stably.
+  /// Sorts n pairs stably by the low `bits` of the key.
   void run(Buffer<std::uint32_t>& keys, Buffer<std::uint32_t>& values, std::uint32_t n, int bits);
-  /// What that many pairs take on a device, the pairs excepted.
+  /// Returns the buffer sizes for sorting `pairs` pairs, without the pairs.
   [[nodiscard]] static SortSizes sizes(const Device& device, std::uint64_t pairs, std::size_t work_items = 0);
-  /// How often a sort by `bits` goes through the pairs: reads keys twice and values once, and writes both.
+  /// Returns the number of passes of a sort by `bits` bits; a pass reads keys twice and values once, and writes
+  /// both.
   [[nodiscard]] static unsigned passes(const Device& device, int bits, std::size_t work_items = 0);
 
  private:

@@ -10,7 +10,7 @@
 namespace simuli {
 namespace {
 
-/// m, the farthest that a shape moves a point at any time of the frame; a little more, for floats.
+/// Upper bound in m of a deformation's displacements during the frame, rounded up for float.
 double reach_of(const DeformationView& shape) {
   double squared = 0.0;
   for (const std::vector<double>* const offsets : {&shape.start_m, &shape.end_m}) {
@@ -44,7 +44,7 @@ std::vector<double> actor_constants(const std::vector<ActorView>& actors,
       put(b.translation - a.translation, row.step);
       const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rotation = middle.rotation.toRotationMatrix();
       std::copy_n(rotation.data(), 9, row.rotation);
-      // By the shorter arc, as slerp takes it; the axis is the same in the scene at all times of the turn.
+      // The shorter arc, as in slerp; the rotation axis is constant in the scene.
       Eigen::Quaterniond turn = b.rotation * a.rotation.conjugate();
       if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
       const double sine = turn.vec().norm();

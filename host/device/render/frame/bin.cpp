@@ -83,7 +83,7 @@ void BinStage::list_visible(const ParticleBuffers& particles,
                       {"offsets", scratch_.counts},
                       scratch_,
                       {"visible", out.order}});
-  // Once by range; pairs inherit the order, so that tiles need only their own bits sorted.
+  // Sorts particles once by range; pairs inherit the order, so that only their tile bits need sorting.
   sort_.run(scratch_.visible_keys, out.order, out.visible, 32);
 }
 

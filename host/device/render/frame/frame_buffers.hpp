@@ -1,5 +1,5 @@
 #pragma once
-// The parts of a frame on the device, each made by one stage (host/device/render/frame/stages.hpp).
+// Device buffers of a frame, grouped by the stage that writes them (host/device/render/frame/stages.hpp).
 #include "cl/shared/cluster.h"
 #include "cl/shared/layout.h"
 #include "cl/shared/sensor_constants.h"
@@ -20,24 +20,24 @@ struct ClTypeName<shared::ActorConstants<double>> {
   static constexpr std::string_view value = "ActorConstants";
 };
 
-/// What a frame is sized by. N particles, M of them visible, K tile pairs, S ray slots.
+/// Sizes of a frame: N particles, M of them visible, K tile-Gaussian pairs, S ray slots.
 struct FrameSizes {
   std::uint64_t particles = 0;         // N
-  std::uint64_t stride = 0;            // of parameter rows: N rounded up
-  std::uint64_t actors = 0;            // with a pose of their own
-  std::uint64_t deformed_stride = 0;   // `stride` where an actor is not rigid, else 0
-  std::uint64_t shape_reals = 0;       // of the actors that are not
-  std::uint64_t moving_particles = 0;  // N where actors move during the frame, else 0
+  std::uint64_t stride = 0;  // of parameter rows: N rounded up
+  std::uint64_t actors = 0;  // actors with a pose of their own
+  std::uint64_t deformed_stride = 0;  // `stride` with non-rigid actors, else 0
+  std::uint64_t shape_reals = 0;  // of non-rigid actors
+  std::uint64_t moving_particles = 0;  // N if actors move during the frame, else 0
   std::uint64_t visible = 0;           // M
   std::uint64_t pairs = 0;         // K
   std::uint64_t slots = 0;             // S
   std::uint64_t tiles = 0;
-  std::uint64_t ray_rows = 3;           // of world_ray: directions, with origins 6, with times 7
-  std::uint64_t outputs = SIM_OUTPUTS;  // rows of what blending writes; cameras have no drop logit
-  std::uint64_t work_items = 0;         // of counting passes, or of blending
+  std::uint64_t ray_rows = 3;  // rows of world_ray: directions, with origins 6, with times 7
+  std::uint64_t outputs = SIM_OUTPUTS;  // rows of blended outputs; cameras have no drop logit
+  std::uint64_t work_items = 0;  // of counting passes, or of blending
 };
 
-/// Constants of sensor and actors, from the host; and what follows from them before anything is projected.
+/// Constants of sensor and actors from the host, and data derived from them before projection.
 struct FrameConstants : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
   Structs<shared::SensorConstants> sensor{*this, "sensor", [](const FrameSizes&) {
@@ -47,12 +47,13 @@ struct FrameConstants : BufferTable<FrameSizes> {
   Structs<shared::ActorConstants> actors{*this, "actors", [](const FrameSizes& s) {
                                            return shared::kReals<shared::ActorConstants> * (1 + s.actors);
                                          }};
-  /// Where an actor that is not rigid is in deform_shapes: [1 + A], all ones for others; empty without such.
+  /// [1 + A] index of a non-rigid actor's grid in deform_shapes, all ones for rigid actors; empty without
+  /// non-rigid ones.
   Words deform_at{
       *this, "deform_at", [](const FrameSizes& s) { return s.deformed_stride > 0 ? 1 + s.actors : 0; }};
-  /// Their boxes and nodes in this frame (cl/math/deform.h).
+  /// Boxes and node offsets of these grids in this frame (cl/math/deform.h).
   Reals deform_shapes{*this, "deform_shapes", [](const FrameSizes& s) { return s.shape_reals; }};
-  /// [3][stride], of particles of actors: how far they are from where they belong.
+  /// [3][stride] deformation offsets of actor particles.
   Reals deform_offset{*this, "deform_offset", [](const FrameSizes& s) { return 3 * s.deformed_stride; }};
 };
 
@@ -63,55 +64,54 @@ struct WorldRays : BufferTable<FrameSizes> {
       *this, "world_ray", [](const FrameSizes& s) { return s.ray_rows * s.slots; }};  // [3|6|7][S]
 };
 
-/// Particles as the sensor sees them.
+/// Projected particles.
 struct Projected : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
-  /// Of each cluster of particles that the frame takes, in its order: 0 where none of them is visible, and
-  /// projection has not looked at any.
+  /// [clusters] in frame order: 0 for culled clusters, whose particles projection does not process.
   Words live{
       *this, "live", [](const FrameSizes& s) { return (s.particles + SIM_CLUSTER - 1) / SIM_CLUSTER; }};
   Reals records{*this, "records", [](const FrameSizes& s) { return SIM_RECORD * s.particles; }};  // [N][16]
-  /// [N][4], of particles whose actor moves.
+  /// [N][4] of particles with a moving actor.
   Reals motions{*this, "motions", [](const FrameSizes& s) { return SIM_MOTION * s.moving_particles; }};
   Array<shared::Footprint> footprints{*this, "footprints", [](const FrameSizes& s) { return s.particles; }};
-  Words keys{*this, "keys", [](const FrameSizes& s) { return s.particles; }};  // range; culled: all ones
+  Words keys{*this, "keys", [](const FrameSizes& s) { return s.particles; }};  // range; all ones: culled
 };
 
 /// Tile lists.
 struct Binned : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
-  Words order{*this, "order", [](const FrameSizes& s) { return s.visible; }};  // by range
-  Words tile{*this, "tile", [](const FrameSizes& s) { return s.pairs; }};  // rising
+  Words order{*this, "order", [](const FrameSizes& s) { return s.visible; }};  // sorted by range
+  Words tile{*this, "tile", [](const FrameSizes& s) { return s.pairs; }};  // ascending
   Words payload{
-      *this, "payload", [](const FrameSizes& s) { return s.pairs; }};        // of a tile: nearest first
-  Words first{*this, "first", [](const FrameSizes& s) { return s.tiles + 1; }};  // pairs of each tile
+      *this, "payload", [](const FrameSizes& s) { return s.pairs; }};  // of each tile: nearest first
+  Words first{*this, "first", [](const FrameSizes& s) { return s.tiles + 1; }};  // first pair of each tile
   std::uint32_t visible = 0;                                                     // M
   std::uint32_t pairs = 0;                                                   // K
 };
 
-/// What binning needs meanwhile.
+/// Temporary buffers of binning.
 struct BinScratch : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
   Words visible_keys{*this, "visible_keys", [](const FrameSizes& s) { return s.visible; }};
-  /// Visible particles of each chunk, then their tile pairs.
+  /// Visible particles of each chunk, then their pairs.
   Words counts{*this, "counts", [](const FrameSizes& s) { return 2 * s.work_items; }};
 };
 
-/// What rays have met.
+/// Blended outputs.
 struct Blended : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
   Reals out{*this, "out", [](const FrameSizes& s) { return s.outputs * s.slots; }};  // [6|7][S]
-  /// Vectors whose order a window did not find: bits by work-item.
+  /// Vectors for which a window did not find the exact order: bits by work-item.
   Words inverted{*this, "inverted", [](const FrameSizes& s) { return s.work_items; }};
 };
 
-/// A camera's picture, graded.
+/// A camera's picture after the colour grid.
 struct PictureBuffers : BufferTable<FrameSizes> {
   using BufferTable::BufferTable;
   Reals picture{*this, "picture", [](const FrameSizes& s) { return 3 * s.slots; }};  // [3][S]
 };
 
-/// All that a frame writes; grows, never shrinks.
+/// All buffers that a frame writes; they grow and never shrink.
 struct FrameBuffers {
   FrameBuffers(const Device& device, Precision precision)
       : constants(device, precision),

@@ -19,7 +19,7 @@ static_assert(static_cast<double>(kDetailFade) == SIM_DETAIL_FADE);
 static_assert(kMeanRow == SIM_MEAN && kLogScaleRow == SIM_LOG_SCALE && kRotationRow == SIM_ROTATION &&
               kOpacityRow == SIM_OPACITY && kShRow == SIM_SH);
 
-/// A row of coefficients as halves, two in each float of `target`.
+/// Stores a row of coefficients as halves, two per float of `target`.
 void store_halves(const Eigen::Ref<const Eigen::ArrayXf>& row, float* target) {
   for (Eigen::Index i = 0; i < row.size(); ++i) {
     const Eigen::half value(row[i]);
@@ -67,7 +67,7 @@ std::vector<float> KeptParticles::packed(const GaussianSet& set,
                                          Eigen::Index last,
                                          std::size_t stride) const {
   const std::size_t full = full_rows();
-  // Padding is made of particles that nobody can see, and whose quaternions can be normalised.
+  // Padding consists of invisible particles with normalisable quaternions.
   std::vector<float> padded(full * stride + (rows() - full) * stride / 2, 0.0F);
   for (std::size_t row = 0; row < rows(); ++row) {
     const auto column = set.params.col(static_cast<Eigen::Index>(row)).segment(first, last - first);

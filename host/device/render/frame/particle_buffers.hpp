@@ -12,7 +12,7 @@
 
 namespace simuli {
 
-/// What a particle set is sized by.
+/// Sizes of a particle set.
 struct ParticleSizes {
   std::uint64_t rows = 0;    // param_rows
   std::uint64_t stride = 0;  // particles, rounded up
@@ -24,32 +24,34 @@ struct ParticleSizes {
   [[nodiscard]] static ParticleSizes of(std::uint64_t particles, int sh_degree, std::uint64_t actors);
 };
 
-/// What is kept of a set on the device.
+/// The part of a set that is stored on the device.
 struct KeptParticles {
   int sh_degree = 0;
   ShStorage sh_storage = ShStorage::kFull;
 
-  /// What options.sh_degree keeps of a set, stored as options.sh_storage says. Error{kUsage} when halves are
-  /// asked for in double, or cannot hold a coefficient (beyond 65504).
+  /// Returns the rows of a set that options.sh_degree keeps, stored as options.sh_storage specifies. Throws
+  /// Error{kUsage} when halves are requested in double precision or cannot represent a coefficient (above
+  /// 65504).
   [[nodiscard]] static KeptParticles of(const GaussianSet& set, const RenderOptions& options);
   [[nodiscard]] std::size_t rows() const { return static_cast<std::size_t>(param_rows(sh_degree)); }
-  /// Those that are reals; the rest are halves.
+  /// Number of rows stored as reals; the others are halves.
   [[nodiscard]] std::size_t full_rows() const { return sh_storage == ShStorage::kHalf ? SIM_SH : rows(); }
-  /// Of SIM_MEAN.. of particles [first, last) of a set: [full_rows][stride] floats, then the halves, two in
-  /// a float. What is behind `last` nobody can see.
+  /// Returns the rows SIM_MEAN.. of particles [first, last): [full_rows][stride] floats, then the halves, two
+  /// per float. Columns beyond `last` are invisible particles.
   [[nodiscard]] std::vector<float> packed(const GaussianSet& set,
                                           Eigen::Index first,
                                           Eigen::Index last,
                                           std::size_t stride) const;
 };
 
-/// Particles of one set on the device, each parameter a row of `stride` reals. Training changes them there.
+/// Particles of one set on the device: each parameter is a row of `stride` reals. Training changes them there.
 struct ParticleBuffers : BufferTable<ParticleSizes> {
   ParticleBuffers(const Device& device, const GaussianSet& set, Precision precision);
-  /// Particles that stay as they are: clusters of them that a frame cannot see are left out of it, with the
-  /// same results. Only the bands of spherical harmonics that options.sh_degree keeps take memory, as
-  /// options.sh_storage says. With options.detail its levels are with the set: more particles than it has.
-  /// Error{kUsage} when halves are asked for in double, or cannot hold a coefficient (beyond 65504).
+  /// For particles that do not change: frames leave out clusters that they cannot see, with the same results.
+  /// Only the SH bands that options.sh_degree keeps take memory, stored as options.sh_storage specifies. With
+  /// options.detail the set's levels of detail are added, which increases the number of particles. Throws
+  /// Error{kUsage} when halves are requested in double precision or cannot represent a coefficient (above
+  /// 65504).
   ParticleBuffers(const Device& device, const GaussianSet& set, const RenderOptions& options);
   void upload(const GaussianSet& set);
   [[nodiscard]] GaussianSet download() const;
@@ -58,41 +60,43 @@ struct ParticleBuffers : BufferTable<ParticleSizes> {
   ShStorage sh_storage = ShStorage::kFull;
   std::uint32_t count = 0;
   std::uint32_t stride = 0;
-  /// Another number for each: a pass takes gradients to the particles that it rendered alone.
+  /// A number unique to each object: gradients of a pass are written only for the particles that it rendered.
   [[nodiscard]] std::uint64_t id() const { return id_; }
-  /// [param_rows][stride]; of ShStorage::kHalf the rows from SIM_SH on are halves, two in a float.
+  /// [param_rows][stride]; with ShStorage::kHalf the rows from SIM_SH on are halves, two per float.
   Reals params{*this, "params", [](const ParticleSizes& s) { return s.rows * s.stride; }};
-  /// GaussianSet::actor. All empty without actors.
+  /// GaussianSet::actor. Empty without actors.
   std::uint32_t actors = 0;  // the largest number in actor_of
   Words actor_of{
       *this, "actor_of", [](const ParticleSizes& s) { return s.actors > 0 ? s.stride : 0; }};  // [stride]
-  /// Particles of actors, those of an actor consecutive; and where each actor's begin.
+  /// Particles of actors, consecutive for each actor; and the first of each actor.
   Words actor_list{*this, "actor_list", [](const ParticleSizes& s) { return s.actors > 0 ? s.stride : 0; }};
   Words actor_first{
       *this, "actor_first", [](const ParticleSizes& s) { return s.actors > 0 ? s.actors + 1 : 0; }};
-  /// Of levels of detail, where there are any; else empty.
+  /// Levels of detail; empty without.
   Reals detail{*this, "detail", [](const ParticleSizes& s) { return s.levels ? SIM_DETAIL * s.stride : 0; }};
-  /// Of particles that stay as they are (particle_clusters.hpp); else empty, and every cluster is looked at.
+  /// Bounds of clusters of particles that do not change (particle_clusters.hpp); empty otherwise, and no
+  /// cluster is culled.
   std::uint32_t cluster_stride = 0;  // clusters, rounded up
   Reals cluster_bounds{*this, "cluster_bounds", [](const ParticleSizes& s) {
                          return SIM_CLUSTER_ROWS * s.clusters;
                        }};  // [SIM_CLUSTER_ROWS][cluster_stride]
   Words cluster_actor{
       *this, "cluster_actor", [](const ParticleSizes& s) { return s.clusters; }};  // [cluster_stride]
-  /// Of a set of which a part is here (host/device/render/pages): where, in clusters, that one is which a frame
-  /// takes as the first, the second, ...; bounds are in that order. Else empty, and frames take all.
+  /// For a set that is only partly on the device (host/device/render/pages): position, in clusters, of the
+  /// clusters of a frame in frame order; bounds are in that order. Empty otherwise: frames use all clusters.
   bool paged = false;
   std::uint32_t taken = 0;  // clusters
   Words cluster_at{
       *this, "cluster_at", [](const ParticleSizes& s) { return s.paged ? s.clusters : 0; }};  // [taken]
-  /// Particles that a frame takes.
+  /// Number of particles in a frame.
   [[nodiscard]] std::uint32_t in_frame() const { return paged ? taken * SIM_CLUSTER : count; }
-  /// After actor_of changed on the device (particles relocated or added): the other members again. Waits.
+  /// Updates the members derived from actor_of after it changed on the device (relocated or added particles).
+  /// Waits.
   void refresh_actors();
 
  private:
   std::uint64_t id_;
-  std::optional<RenderOptions> stays_;  // so they stay as they are
+  std::optional<RenderOptions> stays_;  // set for particles that do not change
   void upload(const GaussianSet& set, const DetailLevels* levels);
   void upload_actors(const std::vector<std::uint32_t>& actor);
 };

@@ -11,8 +11,8 @@
 namespace simuli {
 namespace {
 
-/// What the bounds' proof takes for granted of a particle (METHOD section 4). Negated comparisons would let
-/// pass what is not a number.
+/// Whether a particle fulfils the assumptions of the bounds' proof (METHOD section 4). Comparisons are
+/// positive, so that NaN fails.
 bool is_bounded(const GaussianSet& set, Eigen::Index i) {
   constexpr float kFarthest_m = 1e15F, kLogScale = 30.0F, kSpread = 18.0F, kLogit = 1e30F;
   const auto scale = set.log_scale().row(i);
@@ -23,11 +23,11 @@ bool is_bounded(const GaussianSet& set, Eigen::Index i) {
   return sound && scale.maxCoeff() - scale.minCoeff() < kSpread;
 }
 
-/// A row of each bound.
+/// One value per bound.
 using Bounds = std::array<float, SIM_CLUSTER_ROWS>;
 constexpr Bounds kAround{0.0F, 0.0F, 0.0F, 1e30F, 0.0F, 80.0F, 0.0F, kNeverMerged};
 
-/// Those of particles [first, last), which all belong to one actor, or to none.
+/// Bounds of particles [first, last), which belong to one actor or to none.
 Bounds bounds_of(const GaussianSet& set, Eigen::Index first, Eigen::Index last) {
   for (Eigen::Index i = first; i < last; ++i) {
     if (!is_bounded(set, i)) return kAround;
@@ -36,7 +36,7 @@ Bounds bounds_of(const GaussianSet& set, Eigen::Index first, Eigen::Index last) 
   const Eigen::RowVector3f centre =
       (0.5 * (means.colwise().minCoeff() + means.colwise().maxCoeff())).cast<float>();
   const double radius = (means.rowwise() - centre.cast<double>()).rowwise().norm().maxCoeff();
-  // Actors' rotations round by a few units of their own coordinates.
+  // Rotations of actors round by a few ulps of the coordinates.
   const double rounding = 4e-6 * (radius + centre.cast<double>().norm());
   return {centre.x(),
           centre.y(),

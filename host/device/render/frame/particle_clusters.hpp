@@ -1,5 +1,5 @@
 #pragma once
-// Bounds of clusters of particles (cl/shared/cluster.h), by which frames leave out what they cannot see.
+// Bounds of particle clusters (cl/shared/cluster.h), with which frames cull invisible clusters.
 #include <cstdint>
 #include <vector>
 
@@ -11,12 +11,12 @@ namespace simuli {
 struct ParticleClusters {
   std::uint32_t stride = 0;          // clusters, rounded up to 16
   std::vector<float> bounds;         // [SIM_CLUSTER_ROWS][stride]
-  std::vector<std::uint32_t> actor;  // [stride]: the one that all particles of a cluster belong to, else 0
+  std::vector<std::uint32_t> actor;  // [stride]: actor of all particles of a cluster, else 0
 };
 
-/// Clusters of which nothing is to be known are bounded by a ball that every sensor is in: such with
-/// particles of several actors, or of some and the background, and such with a parameter that is not finite
-/// or beyond all use. levels: those of the set, if it has any.
+/// Returns the bounds of a set's clusters. Clusters without valid bounds get a ball that contains every sensor:
+/// clusters with particles of several actors, or of actors and the background, and clusters with a parameter
+/// that is not finite or too large. levels: levels of detail of the set, if any.
 [[nodiscard]] ParticleClusters clusters_of(const GaussianSet& set, const DetailLevels* levels = nullptr);
 
 }  // namespace simuli

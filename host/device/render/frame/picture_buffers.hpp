@@ -1,5 +1,5 @@
 #pragma once
-// What happens to a camera's picture behind blending (METHOD sections 9 and 10), on the device.
+// Device buffers for processing a camera's picture after blending (METHOD sections 9 and 10).
 #include <cstdint>
 
 #include "host/core/scene/appearance.hpp"
@@ -7,12 +7,12 @@
 
 namespace simuli {
 
-/// An environment texture on the device.
+/// An environment map on the device.
 struct EnvironmentSizes {
   std::uint64_t texels = 0;
 };
 struct EnvironmentBuffers : BufferTable<EnvironmentSizes> {
-  using BufferTable::BufferTable;  // none yet
+  using BufferTable::BufferTable;  // empty
   EnvironmentBuffers(const Device& device, const EnvironmentMap& map, Precision precision);
   [[nodiscard]] EnvironmentMap download() const;
   std::uint32_t width = 0;
@@ -21,21 +21,21 @@ struct EnvironmentBuffers : BufferTable<EnvironmentSizes> {
   Reals texture{*this, "texture", [](const EnvironmentSizes& s) { return 4 * s.texels; }};
 };
 
-/// Bilateral grids on the device, one behind the other.
+/// Bilateral grids on the device, consecutive.
 struct ColorGridSizes {
   std::uint64_t grids = 0;
-  std::uint64_t vertices = 0;  // of one
+  std::uint64_t vertices = 0;  // vertices per grid
 };
 struct ColorGridBuffers : BufferTable<ColorGridSizes> {
-  using BufferTable::BufferTable;  // none yet
+  using BufferTable::BufferTable;  // empty
   ColorGridBuffers(const Device& device, const ColorGrids& grids, Precision precision);
-  /// Into `grids` of the same sizes.
+  /// Copies the values to `grids` of the same sizes.
   void download(ColorGrids& grids) const;
   /// Reals of one grid: [size_y][size_x][size_z][16].
   [[nodiscard]] std::uint32_t reals() const;
-  /// Where grid `index` begins. Error{kInternal} when there are fewer.
+  /// Index of the first real of grid `index`. Throws Error{kInternal} beyond the last grid.
   [[nodiscard]] std::uint32_t first_real(std::size_t index) const;
-  /// What kernels of grids of these sizes are specialised for.
+  /// Returns the definitions for kernels of grids of these sizes.
   [[nodiscard]] BuildOptions options() const;
   static constexpr std::uint64_t kVertexReals = 16;  // as GRID_VERTEX
   int size_x = 0;

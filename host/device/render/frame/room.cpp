@@ -12,7 +12,7 @@
 namespace simuli {
 
 const Camera& with_room_on(const Device& device, const Camera& camera, Precision precision) {
-  constexpr std::uint64_t kHost = 36;  // bytes of a ray that the host keeps
+  constexpr std::uint64_t kHost = 36;  // host bytes per ray
   const DeviceInfo& info = device.info();
   const std::uint64_t rays =
       static_cast<std::uint64_t>(camera.width) * static_cast<std::uint64_t>(camera.height);
@@ -26,7 +26,7 @@ const Camera& with_room_on(const Device& device, const Camera& camera, Precision
   };
   add(RayLayout(device, precision).bytes({.slots = rays}));
   add(RequestedRays(device, precision).bytes({.slots = rays}));
-  // A camera that moves among actors that do has rays of seven reals.
+  // With a moving camera and moving actors a ray has seven reals.
   const FrameSizes sizes{.slots = rays, .ray_rows = 7};
   add(WorldRays(device, precision).bytes(sizes));
   add(Blended(device, precision).bytes(sizes));

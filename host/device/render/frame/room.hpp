@@ -5,8 +5,8 @@
 
 namespace simuli {
 
-/// The camera itself; Error{kDevice} with the numbers, before any memory is taken, where the device has no
-/// room for the rays of its pixels.
+/// Returns the camera. Throws Error{kDevice} with the sizes, before any allocation, when the device lacks
+/// memory for the rays of its pixels.
 [[nodiscard]] const Camera& with_room_on(const Device& device, const Camera& camera, Precision precision);
 
 }  // namespace simuli

@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffU;
 
-/// Share of the frame at which the sensor looks at p (m, its frame). Of lenses as if they were pinholes: a
-/// shutter rolls on slowly.
+/// Share of the frame at which the sensor observes p (m, sensor frame). Cameras are treated as pinholes,
+/// because shutters are slow compared to distortion.
 double seen_at(const RayGrid& grid, const Eigen::Vector3d& p) {
   const shared::ModelConstants<double>& model = grid.model;
   double share = 0.5;
@@ -41,7 +41,7 @@ ShapesInFrame shapes_in_frame(const std::vector<ActorView>& actors,
     const ActorView& actor = actors[i];
     if (is_rigid(actor)) continue;
     double share = 0.5;
-    constexpr int kLooks = 3;  // both have moved a little then
+    constexpr int kLooks = 3;  // iterations; the sensor and the actor both move little between them
     for (int k = 0; k < kLooks; ++k) {
       const Pose sensor = interpolate(scene_from_sensor_start, scene_from_sensor_end, share);
       share = seen_at(

@@ -1,5 +1,5 @@
 #pragma once
-// The shapes of actors that are not rigid, as one frame sees them.
+// Deformations of non-rigid actors in one frame.
 #include <cstdint>
 #include <vector>
 
@@ -8,17 +8,17 @@
 
 namespace simuli {
 
-/// What is not there, or rigid, has no shape.
+/// Absent and rigid actors have no deformation.
 struct ShapesInFrame {
-  std::vector<std::uint32_t> at;  // [1 + A]: where each actor's is in `reals`; all ones: it has none
-  std::vector<double> reals;      // as cl/math/deform.h takes them
-  std::vector<double> share;      // [A]: of the frame at which the sensor sees the actor
+  std::vector<std::uint32_t> at;  // [1 + A]: index of each actor's grid in `reals`; all ones: none
+  std::vector<double> reals;  // in the layout of cl/math/deform.h
+  std::vector<double> share;  // [A]: share of the frame at which the sensor observes the actor
 
   [[nodiscard]] bool empty() const { return reals.empty(); }
 };
 
-/// A shape stands still during the frame, at the time at which the sensor looks at the actor's middle: what
-/// takes a tenth of a second for all around looks at a person for a few milliseconds.
+/// Returns the deformations, constant during the frame, at the time when the sensor observes the middle of each
+/// actor: a sweep of a tenth of a second observes a pedestrian for a few milliseconds.
 [[nodiscard]] ShapesInFrame shapes_in_frame(const std::vector<ActorView>& actors,
                                             const RayGrid& grid,
                                             const Pose& scene_from_sensor_start,

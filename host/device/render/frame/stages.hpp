@@ -1,8 +1,7 @@
 #pragma once
-// The contract of a frame: its stages in the order in which they run. Each is a launcher with the stem of its
-// kernel file, gets the parts of the frame that it reads, and writes the last one that it is given. N
-// particles, M of them visible, K tile pairs, S ray slots. For Renderer, training's stages and tests: who
-// renders needs none of this.
+// The stages of a frame in execution order. Each is a launcher with the stem of its kernel file, reads the
+// buffers of earlier stages, and writes its last argument. N particles, M of them visible, K tile-Gaussian
+// pairs, S ray slots. Used by Renderer, training stages and tests; rendering a scene does not need this header.
 #include <optional>
 
 #include "host/device/render/device/sort.hpp"
@@ -14,7 +13,7 @@
 
 namespace simuli {
 
-/// 1. The rays of the sensor at their times. S -> S.
+/// 1. Transforms the sensor's rays to the scene at their times. S -> S.
 class RaysStage {
  public:
   RaysStage(const Device& device, const Variant& variant);
@@ -29,18 +28,18 @@ class RaysStage {
   Kernel rays_;
 };
 
-/// 1b. Where an actor is not rigid: how far its particles are from where they belong. N -> N.
+/// 1b. Offsets of particles of non-rigid actors. N -> N.
 class DeformStage {
  public:
   DeformStage(const Device& device, Precision precision);
-  /// deform_at and deform_shapes of `constants` -> their deform_offset.
+  /// deform_at and deform_shapes of `constants` -> deform_offset.
   void run(const ParticleBuffers& particles, FrameConstants& constants);
 
  private:
   Kernel deform_;
 };
 
-/// What the Monte Carlo projection draws with, the same in every frame; empty for the others.
+/// Size of the random samples of the Monte Carlo projection, the same in every frame; 0 for other projections.
 struct SampleSizes {
   std::uint64_t triples = 0;
 };
@@ -49,8 +48,7 @@ struct SampleBuffers : BufferTable<SampleSizes> {
   Reals normal_samples{*this, "normal_samples", [](const SampleSizes& s) { return 3 * s.triples; }};
 };
 
-/// 2. Particles on the sensor: which rays they may meet, and what blending needs of them. N -> N. Clusters of
-/// them that the sensor cannot see are left out first.
+/// 2. Projects particles: bounds on the sensor and blending records. Culls invisible clusters first. N -> N.
 class ProjectStage {
  public:
   ProjectStage(const Device& device, const Variant& variant);
@@ -67,12 +65,12 @@ class ProjectStage {
   Kernel cull_clusters_, project_;
 };
 
-/// 3. The visible particles by range, and of each tile those that its rays may meet. N -> M -> K.
+/// 3. Sorts visible particles by range and lists each tile's pairs. N -> M -> K.
 class BinStage {
  public:
-  /// `work_items` as SortStage.
+  /// `work_items` as in SortStage.
   explicit BinStage(const Device& device, std::size_t work_items = 0);
-  /// Error{kDevice} with numbers when the frame needs more than max_pairs. Waits once, for M and K.
+  /// Throws Error{kDevice} with the numbers when the frame exceeds max_pairs. Waits once, for M and K.
   void run(const shared::FrameParams& frame,
            const ParticleBuffers& particles,
            const RayBuffers& rays,
@@ -99,7 +97,7 @@ class BinStage {
   Kernel visible_count_, visible_write_, pair_count_, pair_emit_, tile_ranges_;
 };
 
-/// 4. Each ray through its tile's list, front to back. K -> S.
+/// 4. Blends each ray along its tile's list, front to back. K -> S.
 class RenderStage {
  public:
   RenderStage(const Device& device, const Variant& variant);
@@ -116,13 +114,13 @@ class RenderStage {
   std::size_t work_items_;
   std::uint64_t outputs_;          // rows of out
   Kernel render_;                  // of render.cl or render_window.cl
-  std::optional<Kernel> per_ray_;  // what that leaves to be done exactly
+  std::optional<Kernel> per_ray_;  // renders the vectors left by render_
 };
 
-/// 5. Of a camera with an environment: over black -> over the texture. S -> S.
+/// 5. Cameras with an environment: composites features over black onto the texture. S -> S.
 class EnvironmentStage {
  public:
-  /// `lanes` per work-item; 0: as suits the device. Tests run the GPU's way on CPUs.
+  /// `lanes` per work-item; 0: chosen for the device. Tests run the GPU configuration on CPUs.
   EnvironmentStage(const Device& device, Precision precision, int lanes = 0);
   void run(const shared::FrameParams& frame,
            const EnvironmentBuffers& environment,
@@ -135,12 +133,12 @@ class EnvironmentStage {
   Kernel environment_;
 };
 
-/// 6. Of a camera that is graded: out -> picture[3][S] through one of its bilateral grids.
+/// 6. Cameras with colour grids: out -> picture[3][S] through one of the grids.
 class ColorGridStage {
  public:
-  /// For grids of the sizes of `grids`.
+  /// For grids of the same sizes as `grids`.
   ColorGridStage(const Device& device, const ColorGridBuffers& grids);
-  /// By grid `index`. width, height: of the picture, px.
+  /// Applies grid `index`. width, height: of the picture, px.
   void run(const shared::FrameParams& frame,
            int width,
            int height,

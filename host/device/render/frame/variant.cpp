@@ -26,14 +26,14 @@ BuildOptions Variant::build_options() const {
       .define("V", options.shape.lanes)
       .define("NR", options.shape.vectors)
       .define("LS", options.shape.work_items)
-      // Colour is clamped at 0 in all three channels, of a LiDAR's features the intensity alone.
+      // Clamps colours at 0 in all three channels; for LiDARs only the intensity.
       .define("CLAMPED_CHANNELS", is_camera ? 3 : 1)
       .define("PROJECTION", options.projection)
       .define("EXTENT", options.extent)
       .define("RAY_ORDER", options.order != Order::kRange)
       .define("PER_RAY", options.order == Order::kPerRay)
       .define("WINDOW", options.window)
-      // Without bands above 0 a particle looks alike from everywhere.
+      // Without bands above 0 a particle's features do not depend on direction.
       .define("RAY_SH", options.sh_direction == ShDirection::kRay && frame.sh_degree > 0)
       .define("SHUTTER_ITERATIONS", std::max(options.shutter_iterations, 1))
       .define("COMPENSATION", is_camera ? options.camera_compensation : options.lidar_compensation);

@@ -7,31 +7,31 @@
 
 namespace simuli {
 
-/// What a frame is, beside the options of its renderer.
+/// Properties of a frame in addition to its renderer's options.
 struct FrameKind {
   SensorType sensor = SensorType::kCamera;
-  LensKind lens = LensKind::kPinhole;  // of a camera
-  int windshield = 0;                  // as in RayGrid
+  LensKind lens = LensKind::kPinhole;  // of cameras
+  int windshield = 0;  // as in RayGrid
   bool moving = false;                 // the pose changes during the frame
-  bool origins = false;                // rays have origins of their own: moving, or lever arms
+  bool origins = false;  // rays have individual origins: moving sensor or lever arms
   bool actors = false;                 // particles belong to actors
-  bool actor_motion = false;           // actors move during the frame: then `moving` and `origins`, too
-  bool deform = false;                 // some actor is not rigid; needs actors
+  bool actor_motion = false;  // actors move during the frame; implies `moving` and `origins`
+  bool deform = false;  // some actor is not rigid; needs actors
   int sh_degree = 0;
   ShStorage sh_storage = ShStorage::kFull;
   bool median = false;
-  bool actor_ids = false;  // the actor at the median distance instead of it; needs actors, median
+  bool actor_ids = false;  // the actor at the median distance in its place; needs actors, median
   bool culling = false;    // by the ray mask
 
   auto operator<=>(const FrameKind&) const = default;
 };
 
-/// What kernels are specialised for. What a frame doesn't need compiles to nothing.
+/// Specialisation of kernels. Parts that a frame does not need are not compiled.
 struct Variant {
   FrameKind frame;
   RenderOptions options;
 
-  /// For all kernels of a frame: each takes those that its text names.
+  /// Returns the options of all kernels of a frame; each program uses the names in its text.
   [[nodiscard]] BuildOptions build_options() const;
 };
 

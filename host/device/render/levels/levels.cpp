@@ -15,18 +15,18 @@
 namespace simuli {
 namespace {
 
-constexpr int kLevels = 11;         // cells of 1/16 m to 64 m
-constexpr std::size_t kFewest = 3;  // that are worth one more
+constexpr int kLevels = 11;  // cell sizes from 1/16 m to 64 m
+constexpr std::size_t kFewest = 3;  // smallest family that is merged
 constexpr double kMostOpaque = 0.999;
 
 double opacity_of(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
 
-/// Of its shadow, over all directions, about; in units of pi.
+/// Mean projected area over all directions, approximately; in units of pi.
 double mean_area(const Eigen::Vector3d& sigma) {
   return (sigma.x() * sigma.y() + sigma.y() * sigma.z() + sigma.z() * sigma.x()) / 3.0;
 }
 
-/// Whether sums of its squares are numbers.
+/// Whether sums of squares stay finite.
 bool can_merge(const Eigen::Ref<const Eigen::VectorXf>& particle) {
   constexpr float kMost = 1e9F, kLogScale = 15.0F;
   return (particle.array().abs() < kMost).all() &&
@@ -56,7 +56,7 @@ void set_covariance(const Eigen::Matrix3d& covariance, Eigen::VectorXd& particle
   particle.segment<4>(kRotationRow) << q.w(), q.x(), q.y(), q.z();
 }
 
-/// All particles, those of the set first; a column each.
+/// All particles, beginning with those of the set; one column each.
 class Particles {
  public:
   explicit Particles(const GaussianSet& set)
@@ -78,7 +78,7 @@ class Particles {
   std::vector<float> values_;
 };
 
-/// The one for all of these.
+/// Returns the particle that represents `members`.
 Eigen::VectorXf merged(const Particles& all, std::span<const Eigen::Index> members) {
   std::vector<double> shadows;
   for (const Eigen::Index i : members) {
@@ -98,7 +98,7 @@ Eigen::VectorXf merged(const Particles& all, std::span<const Eigen::Index> membe
     covariance += weight(k) * (covariance_of(particle) + off * off.transpose());
   }
   set_covariance(covariance, one);
-  // What light gets past all of them, each scattered over the whole.
+  // Transmittance of all members, each spread over the merged particle's area.
   const double area = mean_area(one.segment<3>(kLogScaleRow).array().exp());
   double past = 1.0;
   for (const double shadow : shadows) past *= 1.0 - std::min(shadow / area, kMostOpaque);
@@ -107,13 +107,13 @@ Eigen::VectorXf merged(const Particles& all, std::span<const Eigen::Index> membe
   return one.cast<float>();
 }
 
-/// A particle that no other stands for yet.
+/// A particle that is not represented by another yet.
 struct Node {
   Eigen::Index particle;
-  float longest_m;  // its longest axis; kNeverMerged: stays alone
+  float longest_m;  // longest axis; kNeverMerged: is never merged
 };
 
-/// Those that become one, in a list of particles.
+/// Indices of particles that are merged into one.
 struct Family {
   std::size_t begin, end;
 };
@@ -134,7 +134,7 @@ class Builder {
     }
   }
 
-  /// Cells of 2^level / 16 m.
+  /// Merges within cells of 2^level / 16 m.
   void merge(int level) {
     const float largest_m = std::ldexp(0.5F / kCoherentCellsPerMetre, level);
     const auto cell = [&](const Node& node) {
@@ -185,7 +185,7 @@ class Builder {
         256);
     for (std::size_t k = 0; k < families.size(); ++k) {
       const std::span whole(members.data() + families[k].begin, members.data() + families[k].end);
-      // Not before all of its members are there.
+      // A merged particle appears only after all its members.
       float from_m = longest_axis(particles_[first + static_cast<Eigen::Index>(k)]);
       for (const Eigen::Index i : whole) {
         from_m = std::max(from_m, kDetailFade * from_m_[static_cast<std::size_t>(i)]);
@@ -203,7 +203,7 @@ class Builder {
   std::vector<std::uint32_t> owner_;
   std::vector<float> from_m_, until_m_;
   std::vector<std::uint64_t> code_;
-  std::vector<Node> nodes_;  // neighbours in space side by side
+  std::vector<Node> nodes_;  // sorted spatially
 };
 
 }  // namespace

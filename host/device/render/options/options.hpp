@@ -1,5 +1,5 @@
 #pragma once
-// How frames are rendered.
+// Options of rendering.
 #include <compare>
 #include <cstddef>
 
@@ -9,7 +9,7 @@
 
 namespace simuli {
 
-/// How the 256 rays of a tile are spread: work_items x vectors x lanes = 256 (cl/math/lanes.h).
+/// Distribution of a tile's 256 rays: work_items x vectors x lanes = 256 (cl/math/lanes.h).
 struct LaneShape {
   int lanes = 16;
   int vectors = 16;
@@ -17,50 +17,50 @@ struct LaneShape {
   auto operator<=>(const LaneShape&) const = default;
 };
 
-/// How a particle's extent on the sensor is found (METHOD section 4; the paper's table 8).
+/// Method of finding a particle's extent on the sensor (METHOD section 4; the paper's table 8).
 enum class Projection : int {
   kUnscented = 0,   // seven sigma points
   kLinearized = 1,  // the derivative at the centre, as in EWA splatting
-  kMonteCarlo = 2,  // 200 samples: slow, the yardstick of the other two
+  kMonteCarlo = 2,  // 200 samples: slow, the reference of the other two
 };
 
-/// Which rays a particle may contribute to (METHOD section 4): how much is lost against how much is tested.
+/// Rays that a particle may contribute to (METHOD section 4): a trade between lost contributions and tests.
 enum class Extent : int {
-  kUnscented = 0,  // those within the box of Projection; the response is clipped there
-  kExact = 1,      // all with an alpha of at least alpha_cut: closed-form bounds, nothing is lost
+  kUnscented = 0,  // rays inside the box of Projection, which clips the response
+  kExact = 1,  // all rays with alpha >= alpha_cut: closed-form bounds without loss
 };
 
-/// In which order a ray blends what it meets (METHOD section 7).
+/// Order in which a ray blends particles (METHOD section 7).
 enum class Order : int {
-  kRange = 0,   // by the particles' distances from the sensor: one sort for all rays
-  kWindow = 1,  // by where each ray itself meets them, among some that follow each other in that order
-  kPerRay = 2,  // so among all: exact
+  kRange = 0,  // by the particles' distance from the sensor: one sort for all rays
+  kWindow = 1,  // by the distance along each ray, within a window of that order
+  kPerRay = 2,  // by the distance along each ray: exact
 };
 
-/// From where a particle's colour is seen.
+/// Viewing direction for spherical harmonics.
 enum class ShDirection : int {
-  kParticle = 0,  // from the sensor to its centre: once per particle
-  kRay = 1,       // along each ray; has no backward pass
+  kParticle = 0,  // from the sensor to the particle's centre: once per particle
+  kRay = 1,  // along each ray; without backward pass
 };
 
-/// How coefficients of spherical harmonics lie in device memory; sums are reals either way.
+/// Storage of spherical-harmonics coefficients in device memory; arithmetic uses reals.
 enum class ShStorage : int {
   kFull = 0,
-  kHalf = 1,  // 16 bits, each rounded to nearest (11 bits): half the traffic; float only, no backward pass
+  kHalf = 1,  // 16 bits, rounded to nearest (11 bits): half the traffic; float only, without backward pass
 };
 
-/// Whether particles that no requested ray of a LiDAR can meet are dropped before they make tile pairs
-/// (METHOD section 6). Pictures are the same bits either way.
+/// Whether particles that no requested LiDAR ray hits are dropped before binning (METHOD section 6). Results
+/// have the same bits either way.
 enum class Culling : int {
   kOff = 0,
-  kAuto = 1,  // where the ray mask has a cell without a ray
+  kAuto = 1,  // if the ray mask has an empty cell
 };
 
-/// RenderOptions::camera_filter_px2: what the scene was trained with (Scene::camera_filter_px2), which is
-/// part of what its particles mean; where there is no scene, and in training, kPixelVariance_px2.
+/// RenderOptions::camera_filter_px2: the filter that the scene was trained with (Scene::camera_filter_px2),
+/// which is part of its particles' meaning; kPixelVariance_px2 in training and without a scene.
 inline constexpr double kOfScene = -1.0;
 
-/// What of its particles a scene has on the device.
+/// Options that determine the upload of particles.
 struct UploadOptions {
   int sh_degree = 3;
   ShStorage sh_storage = ShStorage::kFull;
@@ -87,7 +87,7 @@ constexpr void visit_fields(UploadOptions& o, F&& field) {
         InTraining::kFixed);
 }
 
-/// What a sensor's rays on the device are made with.
+/// Options that determine a sensor's rays on the device.
 struct RayOptions {
   double camera_filter_px2 = kOfScene;
   double camera_near_m = 0.01;
@@ -113,18 +113,18 @@ constexpr void visit_fields(RayOptions& o, F&& field) {
         InTraining::kFixed);
 }
 
-/// What kernels are compiled for.
+/// Options that kernels are compiled for.
 struct ProgramOptions {
   Projection projection = Projection::kUnscented;
-  Extent extent = Extent::kExact;  // as accurate as the paper's boxes, and faster where sensors move
+  Extent extent = Extent::kExact;  // as accurate as the paper's boxes, and faster with moving sensors
   Order order = Order::kRange;
   int window = 64;
   ShDirection sh_direction = ShDirection::kParticle;
-  int shutter_iterations = 4;  // where a point's own time isn't found, extents are bounds
+  int shutter_iterations = 4;  // without convergence extents are bounds
   bool camera_compensation = false;
-  bool lidar_compensation = false;  // blends thin things with what is behind
+  bool lidar_compensation = false;  // blends thin objects with their background
   bool median_distance = true;
-  LaneShape shape{0, 0, 0};  // 0: as suits the device (lane_shape_of())
+  LaneShape shape{0, 0, 0};  // 0: chosen for the device (lane_shape_of())
   bool operator==(const ProgramOptions&) const = default;
 };
 template <class F>
@@ -170,14 +170,14 @@ constexpr void visit_fields(ProgramOptions& o, F&& field) {
         o.median_distance,
         "LiDARs also measure the distance at which half the light is gone. false: a little faster.",
         InTraining::kFixed);
-  field.internal(o.shape);  // follows from the device
+  field.internal(o.shape);  // determined by the device
 }
 
-/// What kernels are told with each frame.
+/// Options passed to kernels with each frame.
 struct FrameOptions {
   double alpha_cut = 1.0 / 255.0;
   double transmittance_cut = 1e-4;
-  double detail = 0.0;  // kernels and particles know whether it is 0
+  double detail = 0.0;  // kernels and uploads depend on whether it is 0
   std::size_t max_pairs = std::size_t{1} << 28U;
   bool operator==(const FrameOptions&) const = default;
 };
@@ -205,15 +205,15 @@ constexpr void visit_fields(FrameOptions& o, F&& field) {
         InTraining::kFixed);
 }
 
-/// Every approximation of a frame, named: speed against accuracy. The defaults are what everything takes
-/// unless asked (Quality::kBalanced). They are the paper's but for the extents (paper_options()). Each part
-/// is what one thing on the device depends on: as long as it and the precision are the same, so is that.
+/// All approximations of a frame: speed against accuracy. The defaults apply wherever nothing is specified
+/// (Quality::kBalanced) and equal the paper's except for the extents (paper_options()). Each base struct
+/// determines one kind of device data, which is reused while that struct and the precision stay equal.
 struct RenderOptions : UploadOptions, RayOptions, ProgramOptions, FrameOptions {
   Precision precision = Precision::kFloat;
   bool operator==(const RenderOptions&) const = default;
 };
 
-/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
+/// The setting keys with allowed values and help (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(RenderOptions& o, F&& field) {
   field("render.precision",
@@ -227,13 +227,13 @@ constexpr void visit_fields(RenderOptions& o, F&& field) {
   field.part("", static_cast<FrameOptions&>(o));
 }
 
-/// px^2, of frames with these options in a scene that was trained with `of_scene`.
+/// Returns the filter in px^2 for frames with these options in a scene trained with `of_scene`.
 [[nodiscard]] constexpr double camera_filter_px2(const RayOptions& options,
                                                  double of_scene = kPixelVariance_px2) {
   return options.camera_filter_px2 == kOfScene ? of_scene : options.camera_filter_px2;
 }
 
-/// The paper's choices: extents from boxes, at which responses are clipped.
+/// Returns the paper's options: extents from boxes that clip responses.
 [[nodiscard]] constexpr RenderOptions paper_options() {
   RenderOptions options;
   options.extent = Extent::kUnscented;

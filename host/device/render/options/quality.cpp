@@ -50,7 +50,7 @@ RenderOptions options_of(Quality quality) {
 
 RenderOptions training_options_of(Quality quality) {
   RenderOptions o = options_of(quality), usual;
-  // Almost always the same as per_ray, and never much dearer.
+  // Nearly always equal to per_ray, at bounded cost.
   if (o.order == Order::kPerRay) o.order = Order::kWindow;
   const Fields own = fields_of(o), defaults = fields_of(usual);
   for (std::size_t i = 0; i < own.all().size(); ++i) {

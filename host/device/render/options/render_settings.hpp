@@ -1,5 +1,5 @@
 #pragma once
-// Options from text, for callers who have no structs: other languages, files of settings.
+// Options from text, for other languages and settings files.
 #include <string>
 #include <vector>
 
@@ -7,10 +7,11 @@
 
 namespace simuli {
 
-/// The bundle of that name; "": balanced. Error{kUsage} naming those there are.
+/// Returns the bundle of that name; "" is balanced. Throws Error{kUsage} with the known names.
 [[nodiscard]] Quality quality_of_name(const std::string& name);
 
-/// A bundle and what differs from it, "render.KEY=VALUE" each. Error{kUsage} naming key, found and allowed.
+/// Returns a bundle changed by settings "render.KEY=VALUE". Throws Error{kUsage} with key, found and allowed
+/// value.
 [[nodiscard]] RenderOptions render_options(const std::string& quality,
                                            const std::vector<std::string>& settings);
 

@@ -7,14 +7,14 @@
 
 namespace simuli {
 
-/// Error{kUsage} naming the option, what was found and what is allowed. Renderers ask for it; programs ask
-/// earlier, before they read what is to be rendered.
+/// Throws Error{kUsage} with option, found and allowed value. Renderers call it; programs call it before
+/// reading input.
 void validate(const RenderOptions& options);
 
-/// Colours and what multiplies them, on their way to the device: products of the largest still fit a float.
+/// Upper bound of colours and their factors on the device: products of the largest values fit a float.
 inline constexpr float kLargestColor = 1e20F;
 inline constexpr float kLargestGain = 1e10F;
-/// Error{kNumeric} naming `what` and the first value that is no number of at most `largest`.
+/// Throws Error{kNumeric} with `what` and the first value that is not finite or exceeds `largest`.
 void need_numbers(std::span<const float> values, float largest, const char* what);
 
 }  // namespace simuli

@@ -13,7 +13,7 @@
 namespace simuli {
 namespace {
 
-/// Unit directions of the pixels' rays in the camera: [height * width]; zero without a ray.
+/// Unit directions of the pixels' rays in the camera frame, [height * width]; zero without a ray.
 std::vector<Eigen::Vector3f> directions_of(const Frame& frame) {
   const RayGrid& grid = FrameAccess::grid(frame);
   const std::size_t slots = grid.frame.slots;
@@ -55,7 +55,7 @@ std::vector<float> opacities(const RayResults& results) {
   return out;
 }
 
-/// The surface that pixels see.
+/// The visible surface of each pixel, for normals.
 class Surface {
  public:
   explicit Surface(const Frame& frame)
@@ -83,7 +83,7 @@ class Surface {
     const Eigen::Matrix3d spread = (squares / count - sum * sum.transpose() / (count * count)).cast<double>();
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
     axes.computeDirect(spread);
-    // Pixels in a row are on many planes.
+    // Collinear pixels do not determine a plane.
     if (!(axes.eigenvalues()[1] > kNarrowest * axes.eigenvalues()[2])) return Eigen::Vector3f::Zero();
     const Eigen::Vector3f n = axes.eigenvectors().col(0).cast<float>();
     return n.dot(middle) > 0.0F ? Eigen::Vector3f(-n) : n;
@@ -91,7 +91,7 @@ class Surface {
 
  private:
   static constexpr int kReach_px = 3;
-  static constexpr float kLargestStep = 0.1F;  // of the distance
+  static constexpr float kLargestStep = 0.1F;  // relative distance step within a surface
   static constexpr double kNarrowest = 1e-6;
 
   [[nodiscard]] std::size_t index(int x, int y) const {

@@ -1,5 +1,5 @@
 #pragma once
-// What a camera's frame tells beside its colours.
+// Outputs of a camera's frame in addition to colours.
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,36 +9,36 @@
 
 namespace simuli {
 
-/// A distance is from the camera along the pixel's ray, m; a depth its part along the optical axis (z). Where
-/// half of the pixel's light is gone, and 0 where more than half of it goes on; or the mean of where the
-/// light comes from, what comes from behind all particles left out, which lies between surfaces where several
-/// share a pixel.
+/// A distance is measured from the camera along the pixel's ray, m; a depth is its component along the optical
+/// axis (z). The median is where transmittance falls to 1/2, 0 where it stays above. The mean is the expected
+/// distance over the blended particles, without the background; it lies between surfaces where several share a
+/// pixel.
 enum class CameraOutput {
   kRgb,
   kDepth,
   kMeanDepth,
   kDistance,
   kMeanDistance,
-  kOpacity,  // [0, 1]: 1 less the light that goes on
-  kActors,   // Frame::actors(): who is at kDistance
-  kNormals,  // [3] in the camera's axes at the pixel's time, towards the camera; zeros: none
-  kSupport,  // [0, 1]: how well it is known; SupportOnDevice::image_of() (host/device/support/support.hpp) tells it
-  kFlow,      // [3] to another shot: Flow::pixels of flow_of() (flow.hpp)
+  kOpacity,  // [0, 1]: 1 minus the transmittance
+  kActors,  // Frame::actors(): the actor at kDistance
+  kNormals,  // [3] in the camera frame at the pixel's time, towards the camera; zeros: none
+  kSupport,  // [0, 1] support; computed by SupportOnDevice::image_of() (host/device/support/support.hpp)
+  kFlow,  // [3] optical flow to another shot: Flow::pixels of flow_of() (flow.hpp)
   kSceneFlow  // [3] m: Flow::points
 };
-/// "rgb", "depth", "mean_depth", "distance", "mean_distance", "opacity", "actors", "normals", "support", "flow",
-/// "scene_flow": in the order of the values.
+/// Returns "rgb", "depth", "mean_depth", "distance", "mean_distance", "opacity", "actors", "normals",
+/// "support", "flow", "scene_flow", in the order of the values.
 [[nodiscard]] const std::vector<std::string>& camera_output_names();
-/// Error{kUsage} naming those there are.
+/// Throws Error{kUsage} with the known names.
 [[nodiscard]] CameraOutput camera_output(std::string_view name);
 
-/// `request` with what the outputs need beside pictures.
+/// Returns `request` extended by the inputs of the outputs.
 [[nodiscard]] FrameRequest request_for(const std::vector<CameraOutput>& outputs, FrameRequest request = {});
 
-/// [height][width][1], of kRgb and kNormals [3]. A normal is that of the plane through the points at
-/// kDistance of 7 x 7 pixels, without those whose distance differs by more than a tenth. Error{kUsage} of a
-/// LiDAR, of kSupport, kFlow and kSceneFlow, which take more than the frame, or for what the frame was not asked
-/// for.
+/// Returns [height][width][1], for kRgb and kNormals [3]. A normal is that of the plane through the points at
+/// kDistance of 7 x 7 pixels, without those whose distance differs by more than a tenth. Throws Error{kUsage}
+/// for a LiDAR, for kSupport, kFlow and kSceneFlow, which need more than the frame, and for data that the frame
+/// was not requested with.
 [[nodiscard]] Image image_of(const Frame& frame, CameraOutput output);
 
 }  // namespace simuli

@@ -42,7 +42,7 @@ PointCloud point_cloud(const Frame& of, const CloudOptions& options) {
 }
 
 ColumnType coordinates_to_a_millimetre(double farthest_m) {
-  constexpr double kFarthestFloat_m = 8192.0;  // floats there step by a millimetre
+  constexpr double kFarthestFloat_m = 8192.0;  // float spacing there is a millimetre
   return farthest_m <= kFarthestFloat_m ? ColumnType::kFloat : ColumnType::kDouble;
 }
 

@@ -15,8 +15,7 @@ using Eigen::Vector3d;
 
 constexpr double kSky_m = 1e6;
 
-/// Where a point of the actor that is at p (actor's frame, m) at that share of the frame has its place when
-/// the actor has no offsets.
+/// Position in the undeformed actor of the point that is at p (actor frame, m) at that share of the frame.
 Vector3d at_rest(const ActorView& actor, double share, const Vector3d& p) {
   if (actor.deformation.empty()) return p;
   const DeformationView& shape = actor.deformation;
@@ -60,7 +59,7 @@ Flow flow_of(const Frame& frame, const Scene& scene, const Shot& to) {
     Vector3d moved;
     std::optional<OwnTimeImage> image;
     const auto see = [&](const auto& p_then) { image = image_at_own_time(camera, p_then); };
-    const std::size_t actor = actors[ray] - 1;  // of none it is no place
+    const std::size_t actor = actors[ray] - 1;  // unused without an actor
     if (actors[ray] != 0 && then.view().actors[actor].is_there) {
       const Vector3d rest =
           at_rest(now.view().actors[actor], share, now.actor_from_sensor(actor, share) * p_camera);

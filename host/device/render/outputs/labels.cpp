@@ -35,7 +35,7 @@ Scene without_background(const Scene& scene) {
   return out;
 }
 
-/// [rays] 1 + the place of the actor whose body each ends at; of a LiDAR's rays those that return.
+/// [rays] 1 + the actor whose body ends the ray; for LiDARs only returned rays.
 std::vector<std::uint32_t> bodies_in(const Frame& frame) {
   std::vector<std::uint32_t> actors = frame.actors();
   if (frame.sensor().is_camera()) return actors;
@@ -46,8 +46,8 @@ std::vector<std::uint32_t> bodies_in(const Frame& frame) {
   return actors;
 }
 
-/// Evenly spread over the faces of a box, those of its edges included, closer along these: what bounds the
-/// image of a box are its edges, which lenses bend.
+/// Points on the faces and edges of a box, denser along the edges: lenses bend the edges that bound a box's
+/// image.
 struct SurfacePoints {
   std::vector<Vector3d> faces, edges;
 };
@@ -82,7 +82,7 @@ void take_in(const Eigen::Vector2d& low, const Eigen::Vector2d& high, std::optio
   box->top = std::min(box->top, low.y()), box->bottom = std::max(box->bottom, high.y());
 }
 
-/// What the label says of the box in the picture.
+/// Sets the label's projected box.
 void project_box(const Camera& camera, const ActorBoxes& boxes, ActorLabel& label) {
   const SurfacePoints points = points_on_box(boxes.half_m(label.actor));
   const auto image_of = [&](const Vector3d& p_actor) {
@@ -111,7 +111,7 @@ void project_box(const Camera& camera, const ActorBoxes& boxes, ActorLabel& labe
   if (clipped.left < clipped.right && clipped.top < clipped.bottom) label.projected_px = clipped;
 }
 
-/// What the label says of the body's pixels.
+/// Sets the label's mask.
 void add_mask(const std::vector<std::uint32_t>& bodies, const Camera& camera, ActorLabel& label) {
   if (label.rays == 0) return;
   const auto width = static_cast<std::size_t>(camera.width), height = static_cast<std::size_t>(camera.height);
@@ -132,7 +132,7 @@ void add_mask(const std::vector<std::uint32_t>& bodies, const Camera& camera, Ac
   label.mask_runs.push_back(run);
 }
 
-/// Share of the frame at which the sensor looks at the middle of the actor's box; half-way where it doesn't.
+/// Share of the frame at which the sensor observes the middle of the actor's box; 1/2 when it does not.
 double share_of_middle(const Sensor& sensor, const ActorBoxes& boxes, std::size_t actor) {
   const auto middle = [&](double share) -> Vector3d {
     return boxes.actor_from_sensor(actor, share).inverse().translation;

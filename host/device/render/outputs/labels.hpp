@@ -8,19 +8,19 @@
 
 namespace simuli {
 
-/// Tells who is in frames, and how much of them is seen.
+/// Computes labels of the actors in a frame: visibility, boxes and masks.
 class LabelsOnDevice {
  public:
-  /// Of frames of that scene, rendered with those options (FrameRequest::options, else the scene's).
+  /// For frames of `scene` rendered with these options (FrameRequest::options, else the scene's).
   LabelsOnDevice(const Device& device, std::shared_ptr<const Scene> scene, const RenderOptions& options = {});
 
-  /// The actors that are there during the frame, in the order of Scene::actors. Each is rendered once more
-  /// without what hides it. Waits. Error{kUsage} for a frame rendered without FrameRequest::actors.
+  /// Returns labels of the actors present during the frame, in the order of Scene::actors. Renders each actor
+  /// again without occluders. Waits. Throws Error{kUsage} for a frame rendered without FrameRequest::actors.
   [[nodiscard]] std::vector<ActorLabel> of(const Frame& frame);
 
  private:
   std::shared_ptr<const Scene> scene_;
-  SceneOnDevice alone_;  // actors without anything around them
+  SceneOnDevice alone_;  // actors without other particles
 };
 
 }  // namespace simuli

@@ -30,7 +30,7 @@ struct PictureBytes::State {
 
   Device device;
   std::map<Precision, Converter> converters;
-  Buffer<std::uint8_t> bytes;  // of one frame after the other: each is on its way before the next is written
+  Buffer<std::uint8_t> bytes;  // reused: each frame's download is queued before the next frame is written
 };
 
 PictureBytes::PictureBytes(const Device& device) : state_(std::make_unique<State>(device)) {}

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures as bytes, made on the device: an eighth of what a frame's results take on their way to the host.
+// Converts pictures to bytes on the device, an eighth of the data of a frame's results.
 #include <memory>
 #include <string>
 
@@ -13,7 +13,7 @@ enum class PixelOrder {
   kPlanar        // [3][height][width]
 };
 
-/// Makes them on one device. Used by the thread that uses the frames' scene.
+/// Converts pictures on one device. Used by the thread that uses the frames' scene.
 class PictureBytes {
  public:
   explicit PictureBytes(const Device& device);
@@ -21,8 +21,8 @@ class PictureBytes {
   PictureBytes& operator=(PictureBytes&&) noexcept;
   ~PictureBytes();
 
-  /// What image() of a camera's frame shows, each value the nearest of 255 steps, as write_image() rounds it;
-  /// does not wait. Frames that are rendered later leave them as they are. Error{kUsage} of a LiDAR.
+  /// Queues image() of a camera's frame in 255 steps, rounded like write_image(); does not wait. Later frames
+  /// do not change it. Throws Error{kUsage} for a LiDAR.
   [[nodiscard]] ByteDownload start(const Frame& frame, PixelOrder order);
 
  private:

@@ -12,8 +12,7 @@ namespace {
 
 using Matrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-// CLUSTER_MARGIN of cl/math/cluster_culling.h: what rounding may move a particle by in the device's own
-// tests.
+// CLUSTER_MARGIN of cl/math/cluster_culling.h: the rounding of particle positions in the device's tests.
 constexpr double kMargin = 4e-3;
 
 }  // namespace
@@ -36,7 +35,8 @@ void ParticleBounds::include(const ParticleBounds& other) {
   const double apart = away.norm();
   if (apart + other.radius_m > radius_m) {
     const double larger = std::max(0.5 * (radius_m + apart + other.radius_m), other.radius_m);
-    // Towards the other, as far as this one's ball stays inside; rounding is far below the margin.
+    // Moves the centre towards the other ball as far as this ball stays inside; rounding is far below the
+    // margin.
     if (apart > 0.0) centre += away * std::min(std::max(larger - radius_m, 0.0) / apart, 1.0);
     radius_m = larger;
   }
@@ -60,7 +60,7 @@ FrameSight::FrameSight(SensorType type,
   const Eigen::Vector3d step(sensor.centre_step);
   path_m_ = step.norm();
   const auto& m = sensor.model;
-  // Rays fire while the frame lasts, but for what a LiDAR's beams are off the time that x tells.
+  // Rays fire during the frame, except for the deviation of a LiDAR's beams from the time of their x.
   origin_reach_m_ = m.lever + std::abs(m.height) + (1.0 + m.time_spread) * step.lpNorm<1>();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Whether a frame may see any of some particles, asked on the host before they are on the device.
+// Conservative visibility test of particles on the host, before they are uploaded.
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>
@@ -11,9 +11,8 @@
 
 namespace simuli {
 
-/// Bounds of some particles of one actor, or of the background: a ball that holds their means, in the axes
-/// that they are given in (m), the largest of their log-scales and opacity logits, the least and the largest
-/// of their levels of detail.
+/// Bounds of particles of one actor or of the background: a ball that contains their means in the axes of their
+/// parameters (m), their largest log-scale and opacity logit, and their smallest and largest level of detail.
 struct ParticleBounds {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double radius_m = 0.0;
@@ -22,22 +21,22 @@ struct ParticleBounds {
   double from_m = 0.0, until_m = 0.0;
   std::uint32_t actor = 0;
 
-  /// Of one of `clusters`.
+  /// Returns the bounds of one of `clusters`.
   [[nodiscard]] static ParticleBounds of(const ParticleClusters& clusters, std::size_t cluster);
-  /// Around both, which are of the same actor.
+  /// Extends the bounds by `other` of the same actor.
   void include(const ParticleBounds& other);
 };
 
-/// A sensor in one frame, with the actors as they are in it.
+/// A sensor in one frame, with the actors in that frame.
 class FrameSight {
  public:
-  /// `actors`: the ActorConstants of the frame as actor_constants() gives them; empty for sets without any.
+  /// `actors`: the ActorConstants of the frame by actor_constants(); empty for sets without actors.
   FrameSight(SensorType type,
              const shared::SensorConstants<double>& sensor,
              bool detail,
              const std::vector<double>& actors);
 
-  /// cluster_may_be_seen() of cl/math/cluster_culling.h: true wherever that is.
+  /// Returns true wherever cluster_may_be_seen() of cl/math/cluster_culling.h does.
   [[nodiscard]] bool may_see(const ParticleBounds& bounds) const;
 
  private:
@@ -45,8 +44,8 @@ class FrameSight {
   shared::SensorConstants<double> sensor_;
   bool detail_;
   std::vector<shared::ActorConstants<double>> actors_;
-  double path_m_ = 0.0;          // of the sensor during the frame
-  double origin_reach_m_ = 0.0;  // ray origins are at most this far from o_ref
+  double path_m_ = 0.0;  // path length of the sensor during the frame
+  double origin_reach_m_ = 0.0;  // largest distance of ray origins from o_ref
 };
 
 }  // namespace simuli

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint32_t kNowhere = 0xffffffffU;
 
-/// Levels are made where a set is uploaded; until then they are counted as what they mostly are.
+/// Number of particles including levels of detail, estimated before the upload generates them.
 std::uint64_t particles_of(const GaussianSet& set, const RenderOptions& options) {
   const auto count = static_cast<std::uint64_t>(set.size());
   return options.detail > 0.0 ? count + count / 2 : count;
@@ -23,7 +23,7 @@ struct ParticleBytes {
   std::uint64_t all = 0;
 };
 
-/// Of one particle, on the device, in the largest buffer and with all that a frame keeps by particle.
+/// Bytes per particle on the device, in the largest buffer and including frame buffers by particle.
 ParticleBytes bytes_of(const GaussianSet& set, const RenderOptions& options) {
   const KeptParticles kept = KeptParticles::of(set, options);
   const std::uint64_t real = options.precision == Precision::kDouble ? 8 : 4;
@@ -47,7 +47,7 @@ struct WaitAtLast {
     try {
       device.finish();
     } catch (const Error&) {
-      // What failed is told again by what next waits for the device.
+      // The next wait for the device reports the failure.
     }
   }
 };
@@ -159,7 +159,7 @@ void ParticlePages::bring(const std::vector<std::uint32_t>& missing) {
   std::stable_sort(
       free.begin(), free.end(), [this](std::uint32_t a, std::uint32_t b) { return used_[a] < used_[b]; });
   std::vector<Packed> packed(missing.size());
-  const WaitAtLast wait{buffers_.device()};  // the device reads `packed`
+  const WaitAtLast wait{buffers_.device()};  // the device reads `packed` until then
   for (std::size_t i = 0; i < missing.size(); ++i) {
     queue(missing[i], free[i], packed[i]);
     ++brought_;
@@ -233,7 +233,7 @@ void ParticlePages::take(std::vector<std::uint32_t> pages) {
   b.cluster_at.assign(at);
   b.cluster_bounds.assign(bounds);
   b.cluster_actor.assign(actor);
-  // Those that shapes may move.
+  // Particles that deformations may move.
   const std::vector<std::uint32_t>& of = source().actor;
   for (std::size_t i = 0; b.actors > 0 && i < pages.size(); ++i) {
     const std::uint32_t page = pages[i];
@@ -245,7 +245,7 @@ void ParticlePages::take(std::vector<std::uint32_t> pages) {
     }
   }
   b.actor_list.assign(list);
-  taken_ = std::move(pages);  // now that all of it is there
+  taken_ = std::move(pages);  // after all pages are on the device
 }
 
 }  // namespace simuli

@@ -1,5 +1,5 @@
 #pragma once
-// A particle set of which the device holds what frames may see (METHOD section 4).
+// A particle set of which the device stores only the parts that frames may see (METHOD section 4).
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -11,44 +11,45 @@
 
 namespace simuli {
 
-/// Consecutive clusters of particles that come to the device and go together.
+/// Consecutive clusters that are loaded and evicted together.
 inline constexpr std::uint32_t kPageClusters = 8;
 inline constexpr std::uint32_t kPageParticles = kPageClusters * SIM_CLUSTER;
 
-/// How many pages of `set` fit on the device at once: into options.particle_memory_mb, with all that a frame
-/// keeps of a particle, and into the device's largest buffer. Never more than there are; 0 when not one does.
+/// Returns the number of pages of `set` that fit on the device at once: within options.particle_memory_mb,
+/// including frame buffers by particle, and within the device's largest buffer. At most all pages; 0 when none
+/// fits.
 [[nodiscard]] std::uint32_t pages_that_fit(const Device& device,
                                            const GaussianSet& set,
                                            const RenderOptions& options);
-/// Pages of all particles.
+/// Returns the number of pages of all particles.
 [[nodiscard]] std::uint32_t page_count(const GaussianSet& set, const RenderOptions& options);
 
-/// Particles that stay as they are, in as many places on the device as there is room for. Before a frame
-/// bring() puts there what it may see and was not there, where what was least recently seen is. A frame takes
-/// its particles in the order of the set, wherever they lie: the same bits as with all of them there.
+/// Particles that do not change, in as many device pages as fit. Before a frame, bring() loads the missing
+/// pages that the frame may see in place of the least recently used pages. A frame uses its particles in the
+/// order of the set, wherever they are stored, so that the bits equal those of a full upload.
 class ParticlePages {
  public:
-  /// `set` is kept; with options.detail its levels, too. Errors of ParticleBuffers(); Error{kUsage} for no
-  /// place at all.
+  /// Keeps `set` and, with options.detail, its levels. Throws as ParticleBuffers(), and Error{kUsage} when no
+  /// page fits.
   ParticlePages(const Device& device,
                 std::shared_ptr<const GaussianSet> set,
                 const RenderOptions& options,
                 std::uint32_t places);
 
-  /// Waits for the device where something has to be brought. Error{kDevice} with numbers when the frame may
+  /// Waits for the device when pages must be loaded. Throws Error{kDevice} with the numbers when the frame may
   /// see more than fits.
   void bring(const FrameSight& sight);
-  /// What a frame takes: as the last bring() left it.
+  /// The particles of the frame, as of the last bring().
   [[nodiscard]] const ParticleBuffers& buffers() const { return buffers_; }
 
   [[nodiscard]] std::uint32_t pages() const { return static_cast<std::uint32_t>(place_of_.size()); }
   [[nodiscard]] std::uint32_t places() const { return static_cast<std::uint32_t>(page_at_.size()); }
-  /// Pages that the last bring() found in sight, and that it brought.
+  /// Pages that the last bring() found visible, and pages that it loaded.
   [[nodiscard]] std::uint32_t seen() const { return static_cast<std::uint32_t>(taken_.size()); }
   [[nodiscard]] std::uint32_t brought() const { return brought_; }
 
  private:
-  /// A page on its way.
+  /// A page being uploaded.
   struct Packed {
     std::vector<float> params, detail;
     std::vector<double> params_double, detail_double;
@@ -64,13 +65,13 @@ class ParticlePages {
   std::optional<DetailLevels> levels_;
   KeptParticles kept_;
   ParticleClusters clusters_;           // of all particles
-  std::vector<ParticleBounds> bounds_;  // of pages, or where these are not of one actor of their clusters
+  std::vector<ParticleBounds> bounds_;  // of pages, or of their clusters where a page has several actors
   std::vector<std::uint32_t> first_bounds_;  // [pages + 1]
   ParticleBuffers buffers_;
-  std::vector<std::uint32_t> place_of_;  // [pages], kNowhere: not on the device
-  std::vector<std::uint32_t> page_at_;   // [places], kNowhere: none
-  std::vector<std::uint64_t> used_;      // [places] the last frame that took it
-  std::vector<std::uint32_t> taken_;     // pages of the last frame, rising
+  std::vector<std::uint32_t> place_of_;  // [pages] position on the device; kNowhere: not loaded
+  std::vector<std::uint32_t> page_at_;  // [positions] page; kNowhere: none
+  std::vector<std::uint64_t> used_;  // [positions] last frame that used it
+  std::vector<std::uint32_t> taken_;  // pages of the last frame, ascending
   std::uint64_t frame_ = 0;
   std::uint32_t brought_ = 0;
 };

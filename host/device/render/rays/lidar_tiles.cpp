@@ -1,4 +1,4 @@
-// Procedure 1: what its steps on the device (lidar_tiling.cpp) make of rows of rays and of ray lists.
+// Procedure 1: combines its device steps (lidar_tiling.cpp) for rows of rays and for ray lists.
 #include "host/device/render/rays/lidar_tiles.hpp"
 
 #include <algorithm>
@@ -13,18 +13,17 @@
 namespace simuli {
 namespace {
 
-// The paper's 400 bins hold two neighbouring beams of a dense sensor in one; these tell them apart.
+// The paper's 400 bins merge neighbouring beams of dense sensors; 4096 separate them.
 constexpr std::uint32_t kBins = 4096;
-// Of a tile: its slot rows, one for each beam. With 8 beams in two slot rows each particles touch 1.7 times as many of
-// them (PandaSet: 1.03 of a training).
+// Ray blocks of a tile, one per beam (docs/DECISIONS.md, "Tiles").
 constexpr std::uint32_t kMostRows = 16;
 constexpr std::uint32_t kMostRays = SIM_TILE_RAYS;
-// In wider tiles the two places of a particle at the cut could not be told apart.
+// In wider tiles the two positions of a particle at the cut would be indistinguishable.
 constexpr std::uint32_t kFewestColumns = 8;
 
 using Uints = Buffer<std::uint32_t>;
 
-/// Over all values, and a hair more, so that the highest is inside.
+/// Bins over all values, slightly more so that the highest is included.
 TileBins bins_over(const std::vector<float>& values, std::uint32_t count) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const double span = static_cast<double>(*high) - static_cast<double>(*low) + 1e-6;
@@ -59,15 +58,15 @@ LidarTiles tile_rows_of_rays(const Device& device,
   const std::uint32_t tile_rows = tiler.cut(group_of_row, rows, kMostRows, out);
 
   out.row_slots = kMostRays / SIM_RAY_BLOCK / tile_rows;
-  const std::uint32_t width = out.row_slots * SIM_RAY_BLOCK;  // most of one row in one tile
+  const std::uint32_t width = out.row_slots * SIM_RAY_BLOCK;  // upper bound of one row's slots in one tile
 
   const Buffer<float> places(device, "ray places", x);
   const Uints order(device, "rays by row", LidarTilingStage::iota(rows * row_rays));
   std::vector<std::uint32_t> starts(std::size_t{rows} + 1);
   for (std::uint32_t row = 0; row <= rows; ++row) starts[row] = row * row_rays;
   const Uints row_starts(device, "row starts", starts);
-  // N_theta = H_max / M rounded up, but H_max of what the cut has left of the fullest elevation tile; jitter
-  // of measured rays costs a few more.
+  // N_theta = H_max / M rounded up, with H_max of the fullest elevation tile after cutting; jitter of measured
+  // rays needs a few more.
   const std::uint32_t tile_rays = std::min(group_rays, tile_rows * row_rays);
   out.columns = std::max({kFewestColumns, divided_up(tile_rays, kMostRays), divided_up(row_rays, width)});
   const std::uint32_t most_columns = std::min(4 * out.columns + 64, LidarTiles::kMostColumns);
@@ -100,7 +99,7 @@ LidarTiles tile_ray_list(const Device& device,
   const TileBins bins = bins_over(elevation, kBins);
   ListRows rows(device);
 
-  // The number of fewest slots, of some about which tiles are as wide as high.
+  // Chooses the number with the fewest slots among those that make tiles about square.
   const auto extent = [](const std::vector<float>& values) {
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
     return std::max(static_cast<double>(*high) - static_cast<double>(*low), 1e-3);
@@ -118,7 +117,7 @@ LidarTiles tile_ray_list(const Device& device,
     std::uint32_t groups = 0;
     const Uints group_of_bin = tiler.groups_of(elevations, 1, bins, number, kBins, groups);
     const std::uint32_t group_rays = tiler.fullest_group(elevations, 1, bins, group_of_bin, groups);
-    // Columns too wide for their two places are cut: at most kFewestColumns more.
+    // Splits columns that are too wide to separate two positions: at most kFewestColumns more.
     const std::uint32_t columns = std::clamp(
         divided_up(group_rays, kMostRays), kFewestColumns, LidarTiles::kMostColumns - kFewestColumns);
     const TileBins x_bins = bins_over(x, std::max(kBins, 4 * columns));

@@ -1,5 +1,5 @@
 #pragma once
-// The steps of procedure 1 on the device; host/device/render/rays/lidar_tiles.cpp puts them together.
+// The device steps of procedure 1; host/device/render/rays/lidar_tiles.cpp combines them.
 #include <cstdint>
 #include <vector>
 
@@ -8,26 +8,26 @@
 
 namespace simuli {
 
-/// How values fall into bins.
+/// Mapping of values to bins.
 struct TileBins {
   float first = 0.0F;
   float scale = 0.0F;
   std::uint32_t count = 0;
 };
 
-/// Values on the device and the bins that they fall into.
+/// Values on the device and their bins.
 struct BinnedValues {
   const Buffer<float>& values;
   TileBins bins;
 };
 
-/// Rows that a ray list is cut into.
+/// Rows cut from a ray list.
 struct ListRows {
   explicit ListRows(const Device& device)
       : order(device, "rays by row"), starts(device, "row starts"), group_of_row(device, "groups of rows") {}
-  Buffer<std::uint32_t> order;         // [rays] by row, the rows from top to bottom
+  Buffer<std::uint32_t> order;  // [rays] by row, rows from top to bottom
   Buffer<std::uint32_t> starts;        // [rows + 1] into `order`
-  Buffer<std::uint32_t> group_of_row;  // [rows] group of elevation
+  Buffer<std::uint32_t> group_of_row;  // [rows] elevation group
 };
 
 class LidarTilingStage {
@@ -36,36 +36,37 @@ class LidarTilingStage {
  public:
   explicit LidarTilingStage(const Device& device);
 
-  /// The group of each bin, `wanted` groups of equally many rays, each of at most `widest` bins.
+  /// Returns the group of each bin: `wanted` groups with equal numbers of rays, each of at most `widest` bins.
   Uints groups_of(const Buffer<float>& values,
                   std::uint32_t weight,
                   const TileBins& bins,
                   std::uint32_t wanted,
                   std::uint32_t widest,
                   std::uint32_t& groups);
-  /// Rays of the fullest group.
+  /// Returns the number of rays in the fullest group.
   std::uint32_t fullest_group(const Buffer<float>& values,
                               std::uint32_t weight,
                               const TileBins& bins,
                               const Uints& group_of_bin,
                               std::uint32_t groups);
   Uints groups_of_rows(const Buffer<float>& elevation, const TileBins& bins, const Uints& group_of_bin);
-  /// Cuts rows into tile rows of at most `most`; returns the most and leaves the tables on the device.
+  /// Cuts rows into tile rows of at most `most` rows; returns the largest number and keeps the tables on the
+  /// device.
   std::uint32_t cut(const Uints& group_of_row, std::uint32_t rows, std::uint32_t most, LidarTiles& out);
-  /// Most rays of one row in one tile, and of one tile.
+  /// Largest number of rays of one row in one tile, and of one tile.
   struct Fullest {
     std::uint32_t row = 0;
     std::uint32_t tile = 0;
   };
-  /// Works out slot_of_ray().
+  /// Computes slot_of_ray().
   Fullest place(const Buffer<float>& x,
                 const Uints& order,
                 const Uints& row_starts,
                 const TileBins& bins,
                 const Uints& column_of_bin,
                 const LidarTiles& tiling);
-  /// Rows of a list, of SIM_RAY_BLOCK rays of a tile column at most; false when they would be more than a
-  /// footprint can name. Elevations fall into groups, places into tile columns, of which there are `columns`.
+  /// Cuts a list into rows with at most SIM_RAY_BLOCK rays per tile column; false when footprints cannot
+  /// address that many rows. Elevations map to groups, positions to `columns` tile columns.
   bool list_rows(const BinnedValues& elevation,
                  const Uints& group_of_bin,
                  const BinnedValues& x,

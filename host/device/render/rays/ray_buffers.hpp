@@ -9,17 +9,17 @@ struct ClTypeName<shared::FrameParams> {
   static constexpr std::string_view value = "FrameParams";
 };
 
-/// What rays of one sensor are sized by.
+/// Sizes of a sensor's rays.
 struct RaySizes {
   std::uint64_t slots = 0;  // S
   std::uint64_t tile_rows = 0;
   std::uint64_t rows = 0;          // LiDAR: sensor rows
   std::uint64_t lut_bins = 0;      // LiDAR: elevation bins
   std::uint64_t bins = 0;          // LiDAR: bins of columns
-  std::uint64_t mask_corners = 0;  // LiDAR that culls: (mask rows + 1) x (mask columns + 1)
+  std::uint64_t mask_corners = 0;  // LiDARs with culling: (mask rows + 1) x (mask columns + 1)
 };
 
-/// How the rays of a sensor lie in tiles, whichever of them a frame asks for.
+/// Layout of a sensor's rays in tiles, independent of the requested rays.
 struct RayLayout : BufferTable<RaySizes> {
   using BufferTable::BufferTable;
   RayLayout(const Device& device, const RayGrid& grid, Precision precision);
@@ -32,18 +32,18 @@ struct RayLayout : BufferTable<RaySizes> {
   Words column_of_bin{*this, "column_of_bin", [](const RaySizes& s) { return s.bins; }};
 };
 
-/// The rays that a frame asks for.
+/// The rays requested by a frame.
 struct RequestedRays : BufferTable<RaySizes> {
   using BufferTable::BufferTable;
 
-  /// [7][S]; slots without a ray that is asked for have no direction.
+  /// [7][S]; slots without a requested ray have a zero direction.
   Reals sensor_ray{*this, "sensor_ray", [](const RaySizes& s) { return 7 * s.slots; }};
   Words mask_row_of_row{*this, "mask_row_of_row", [](const RaySizes& s) { return s.rows; }};
-  /// [mask rows + 1][mask columns + 1] occupied cells above and left.
+  /// [mask rows + 1][mask columns + 1] occupied cells above and to the left.
   Words areas{*this, "areas", [](const RaySizes& s) { return s.mask_corners; }};
 };
 
-/// Both, as kernels take them.
+/// Both buffers, as kernel arguments.
 struct RayBuffers {
   const RayLayout& layout;
   const RequestedRays& requested;

@@ -13,17 +13,17 @@
 namespace simuli {
 namespace {
 
-/// How fast a lens's image moves at most, over a cone about its axis.
+/// Upper bounds of the derivatives of a lens's image over a cone about its axis.
 struct LensSlopes {
   double cone_rad = 0.0;
-  // px per rad; so much that any bound made of it is the whole picture
+  // px per rad; the default makes every bound the whole picture.
   Eigen::Array2d slope = Eigen::Array2d::Constant(1e30);
-  Eigen::Array2d bend = Eigen::Array2d::Constant(1e30);  // px per rad^2, along great circles
+  Eigen::Array2d bend = Eigen::Array2d::Constant(1e30);  // px per rad^2 along great circles
 };
 
-/// The largest first and second derivatives of the pixel's x and y over the directions at `angle` off axis,
-/// added to `slopes`; false where the lens's formula is not smooth. It may lead past a fold: rays end there,
-/// and what bounds their pixels is the formula over a cone that is convex.
+/// Adds the largest first and second derivatives of the pixel's x and y over the directions at `angle` to the
+/// axis to `slopes`; false where the lens's formula is not smooth. The formula may extend beyond a fold: rays
+/// end there, but it still bounds their pixels over a convex cone.
 bool add_slopes(const Camera& camera, double angle, LensSlopes& slopes) {
   constexpr int kAround = 72;
   constexpr double kStep = 5e-4;  // rad
@@ -42,7 +42,7 @@ bool add_slopes(const Camera& camera, double angle, LensSlopes& slopes) {
     const Eigen::Vector3d v = axis.cross(outwards);
     Eigen::Vector2d middle;
     if (!image(here, middle)) return false;
-    // Derivatives at `here` along the great circle in the direction `along`.
+    // Derivatives at `here` along the great circle in direction `along`.
     Eigen::Array2d first[3], second[3];
     const Eigen::Vector3d along[3] = {u, v, diagonal * (u + v)};
     for (int i = 0; i < 3; ++i) {
@@ -54,7 +54,8 @@ bool add_slopes(const Camera& camera, double angle, LensSlopes& slopes) {
       second[i] = (ahead + behind - 2.0 * middle).array() / (kStep * kStep);
     }
     slopes.slope = slopes.slope.max((first[0].square() + first[1].square()).sqrt());
-    // The larger eigenvalue of [[uu, uv], [uv, vv]] in magnitude; the diagonal tells the mixed derivative.
+    // The larger eigenvalue of [[uu, uv], [uv, vv]] in magnitude; the diagonal direction gives the mixed
+    // derivative.
     const Eigen::Array2d mixed = second[2] - 0.5 * (second[0] + second[1]);
     const Eigen::Array2d apart = 0.5 * (second[0] - second[1]);
     const Eigen::Array2d mean = 0.5 * (second[0] + second[1]).abs();
@@ -63,12 +64,12 @@ bool add_slopes(const Camera& camera, double angle, LensSlopes& slopes) {
   return true;
 }
 
-/// The cone holds all rays (picture_rad), and as far as the lens reaches some more: what moves or is wide
-/// leaves the picture. If that is less than half of space, it is convex, and must be; it then goes no further
-/// than the picture's own slopes allow: polynomials run away behind its edge.
+/// The cone contains all rays (picture_rad) and, as far as the lens reaches, a margin for wide or moving
+/// particles outside the picture. A cone below a half space is convex, as required; it then extends only as far
+/// as the picture's own derivatives allow, because polynomials diverge beyond the picture's edge.
 LensSlopes lens_slopes(const Camera& camera, double picture_rad) {
   constexpr double kStep = 0.25 * kPi / 180.0;
-  constexpr double kBetweenSamples = 1.02;  // the map is smooth: less than this between neighbours
+  constexpr double kBetweenSamples = 1.02;  // factor for the variation of the smooth map between samples
   constexpr double kConvexMargin = 0.15, kMargin = 0.5;
   constexpr double kSteeper = 1.1;
   const bool convex = picture_rad <= 0.5 * kPi;
@@ -115,7 +116,7 @@ RayGrid make_ray_grid(const Camera& camera, const RayOptions& options) {
   ray_slots::allocate(grid);
   for (std::uint32_t row = 0; row < frame.rows; row += SIM_TILE_SIDE) grid.tile_rows.push_back(row);
   grid.tile_rows.push_back(frame.rows);
-  double lowest_cosine = 1.0;  // of the cone about the optical axis that holds all rays
+  double lowest_cosine = 1.0;  // of the cone about the optical axis that contains all rays
   for (int y = 0; y < camera.height; ++y) {
     Interruption::ask();
     for (int x = 0; x < camera.width; ++x) {
@@ -177,8 +178,8 @@ double azimuth_cut(const Lidar& lidar) {
   return lidar.azimuth_first - lidar.spin_sign() * 0.5 * lidar.azimuth_span / lidar.columns;
 }
 
-/// The spin angle since the sweep's start of every ray, unrolled: the turn nearest to where its time puts it.
-/// The one coordinate of tiles, rays and boxes along the spin (METHOD section 3, the seam).
+/// Unrolled spin angle since the sweep's start of every ray: the period nearest to the ray's time. Tiles, rays
+/// and boxes use this coordinate along the spin (METHOD section 3, the seam).
 std::vector<double> spin_angles(const Lidar& lidar, const LidarRays& rays) {
   const double cut = azimuth_cut(lidar);
   std::vector<double> angles(rays.azimuth.size());
@@ -190,7 +191,7 @@ std::vector<double> spin_angles(const Lidar& lidar, const LidarRays& rays) {
   return angles;
 }
 
-/// How far the rays' times are from what their spin angles tell, as a share of the frame.
+/// Largest difference between the rays' times and the times of their spin angles, as a share of the frame.
 double time_spread(const Lidar& lidar, const LidarRays& rays, const std::vector<double>& angles) {
   constexpr double kRounding = 1e-6;  // of times in float
   double spread = 0.0;
@@ -201,7 +202,7 @@ double time_spread(const Lidar& lidar, const LidarRays& rays, const std::vector<
   return spread > kRounding ? spread : 0.0;
 }
 
-/// How far the rays' elevations are from those of their rows: 0 unless measured.
+/// Largest difference between the rays' elevations and their rows': 0 unless measured.
 double row_spread(const Lidar& lidar, const LidarRays& rays) {
   double spread = 0.0;
   for (std::size_t i = 0; i < rays.elevation.size(); ++i) {
@@ -211,7 +212,7 @@ double row_spread(const Lidar& lidar, const LidarRays& rays) {
   return spread;
 }
 
-/// Where the beams start: the mean height, and how far they are from there.
+/// Sets the origins of the beams: mean height, and the largest distance from it.
 void set_origins(RayGrid& grid, const Lidar& lidar) {
   double height = 0.0, up = 0.0, sideways = 0.0;
   for (const LidarRow& row : lidar.rows)

@@ -1,4 +1,4 @@
-// Rays without rows in tiles: sorted by elevation and cut into rows of as many rays as the tiles hold.
+// Tiles of rays without rows: sorted by elevation and cut into rows that fill the tiles.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -11,10 +11,10 @@
 namespace simuli {
 namespace {
 
-// Elevations in float on the device: rows are a hair higher than their rays.
+// The device uses float elevations: rows extend slightly beyond their rays.
 constexpr double kElevationSlack_rad = 1e-6;
 
-/// The middle of the largest gap between the azimuths, where no ray is cut off from its neighbours.
+/// The middle of the largest azimuth gap, where the cut separates no neighbouring rays.
 double widest_gap(const RayList& list) {
   std::vector<double> sorted;
   sorted.reserve(list.ray_count());
@@ -39,7 +39,7 @@ void set_constants(RayGrid& grid, const RayList& list, double cut, const std::ve
   m.rays_per_rad = ray_slots::rays_per_rad(list.ray_count(), *lowest, *highest, span);
   m.azimuth_cut = cut;
   m.spin = 1.0;
-  // Time does not follow the azimuth: the middle of all times, give or take half of their span.
+  // Time does not follow azimuth: the mid time, plus or minus half the time span.
   const auto [early, late] = std::minmax_element(list.time_fraction.begin(), list.time_fraction.end());
   m.inv_span = 0.0;
   m.time_first = (*early + *late) / 2.0;
@@ -83,7 +83,7 @@ RayGrid make_ray_grid(const Device& device, const RayList& list) {
     grid.u[slot] = angles[ray];
   }
 
-  // Rows were sorted in float: in double neighbours may overlap by its rounding.
+  // Rows were sorted in float: in double neighbouring rows may overlap by its rounding.
   const std::size_t rows = tiling.rows();
   std::vector<double> lowest(rows), highest(rows);
   for (std::size_t row = 0; row < rows; ++row) {

@@ -11,8 +11,8 @@ BuildOptions mask_options(Precision precision) {
   return options.real(precision).define("SENSOR", SensorType::kLidar);
 }
 
-/// Some of the rays leave cells of the usual size full that hold one of many: a row per beam and two columns
-/// per firing instead.
+/// Partial requests would fill cells of the usual size although these contain one of many rays: they use a row
+/// per beam and two columns per firing.
 RayMaskSize size_of_mask(const RayGrid& grid, bool all) {
   constexpr RayMaskSize kUsual;
   constexpr int kMostCells = 1 << 20, kMostBeams = 4096;

@@ -1,12 +1,12 @@
 #pragma once
-// Ray-based culling (docs/METHOD.md section 6): where a LiDAR's requested rays are, as a summed-area table.
+// Ray-based culling (docs/METHOD.md section 6): the requested rays of a LiDAR as a summed-area table.
 #include "cl/shared/sensor_constants.h"
 #include "host/device/render/rays/ray_buffers.hpp"
 #include "host/device/runtime/kernel.hpp"
 
 namespace simuli {
 
-/// Cells over a LiDAR's sweep, and over its beams: each row has equally many.
+/// Cells along a LiDAR's sweep and beams; each row has the same number.
 struct RayMaskSize {
   int columns = 1600;
   int rows = 8;
@@ -22,9 +22,8 @@ struct RayMaskScratch : BufferTable<RayMaskSize> {
 class RayMaskStage {
  public:
   RayMaskStage(const Device& device, Precision precision);
-  /// The rays that `requested` holds a direction of, `all` of them or some -> its mask_row_of_row and areas,
-  /// and the model's mask_scale and mask_columns. Whether some cell holds no ray: only then can the table cull
-  /// anything. Waits.
+  /// Computes mask_row_of_row and areas of `requested`, and the model's mask_scale and mask_columns, for all
+  /// rays or some. Returns whether a cell is empty, which culling requires. Waits.
   bool run(const RayGrid& grid,
            bool all,
            const RayLayout& layout,

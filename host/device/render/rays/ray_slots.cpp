@@ -16,7 +16,7 @@ constexpr int kLutBins = 4096;
 
 void allocate(RayGrid& grid) {
   const std::size_t slots = std::size_t{grid.frame.tiles_x} * grid.frame.tiles_y * grid.frame.tile_rays;
-  // Kernels index up to 7 rows of them with 32 bits.
+  // Kernels index up to 7 rows of slots with 32 bits.
   if (slots > std::size_t{1} << 29U) {
     throw Error(ErrorKind::kInput, fmt::format("sensor: found {} ray slots, allowed 2^29", slots));
   }
@@ -76,7 +76,7 @@ void fill_elevation_table(RayGrid& grid,
   grid.model.lut_scale = 1.0 / bin;
   grid.row_lut.resize(kLutBins);
   for (int b = 0; b < kLutBins; ++b) {
-    // Rows certainly above everything in bin b, a bin of slack for the device's rounding.
+    // Rows certainly above everything in bin b, with one bin of slack for the device's rounding.
     const double edge = low - bin + (b + 2) * bin;
     const auto above =
         std::partition_point(lowest.begin(), lowest.end(), [&](double e) { return e >= edge; });
@@ -91,7 +91,7 @@ double beam_variance(double beam_divergence, double divergence_variance) {
 
 double rays_per_rad(std::size_t rays, double lowest, double highest, double span) {
   const auto count = static_cast<double>(rays);
-  // One row has no height: as far apart as they are along it.
+  // A single row has no height: assumes the spacing along the row.
   const double height = std::max(std::sin(highest) - std::sin(lowest), span / count);
   return std::sqrt(count / (span * height));
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What the makers of ray grids share (ray_grid.cpp, ray_list_grid.cpp).
+// Functions common to ray_grid.cpp and ray_list_grid.cpp.
 #include <Eigen/Core>
 #include <string>
 #include <vector>
@@ -9,13 +9,13 @@
 
 namespace simuli::ray_slots {
 
-/// Sizes the grid's slot arrays for its tiles, all without a ray. Error{kInput} above 2^30 slots.
+/// Allocates the grid's slots for its tiles, without rays. Throws Error{kInput} above 2^30 slots.
 void allocate(RayGrid& grid);
 
-/// Takes a LiDAR's tiles over: frame, tables, constants of x, and slots without a ray.
+/// Sets a LiDAR's tiles: frame, tables, constants of x, and slots without rays.
 void set_tiles(RayGrid& grid, const LidarTiles& tiling);
 
-/// Puts a ray of the sensor frame into a slot. `time`: its share of the frame.
+/// Sets the ray of a slot, in the sensor frame. `time`: its share of the frame.
 void set_ray(RayGrid& grid,
              std::size_t slot,
              std::size_t ray,
@@ -23,16 +23,18 @@ void set_ray(RayGrid& grid,
              const Eigen::Vector3d& origin,
              double time);
 
-/// Fills the look-up of rows by elevation. lowest, highest: [rows] rad, the elevations of each row's rays,
-/// neither rising from row to row.
+/// Fills the lookup table from elevation to rows. lowest, highest: [rows] rad, elevations of each row's rays,
+/// both descending.
 void fill_elevation_table(RayGrid& grid,
                           const std::vector<double>& lowest,
                           const std::vector<double>& highest);
 
-/// The footprint's variance per squared metre of range, from a full angle and k of METHOD section 8.
+/// Returns the footprint's variance per squared metre of range, from the full divergence angle and k of METHOD
+/// section 8.
 [[nodiscard]] double beam_variance(double beam_divergence, double divergence_variance);
 
-/// Square root of rays per sr: of so many between two elevations, over a span of azimuths, rad.
+/// Returns the square root of rays per sr, for a number of rays between two elevations over a span of azimuths,
+/// rad.
 [[nodiscard]] double rays_per_rad(std::size_t rays, double lowest, double highest, double span);
 
 }  // namespace simuli::ray_slots

@@ -94,7 +94,7 @@ bool ActorBoxes::is_of_body(std::size_t actor, const Eigen::Vector3d& p_sensor, 
   if (!view_.actors[actor].is_there) return false;
   const Eigen::Vector3d p = actor_from_sensor(actor, time_fraction) * p_sensor;
   const Eigen::Vector3d& half = half_[actor];
-  // What is hardly taller than that lies on the road itself.
+  // Lower objects lie on the road itself.
   const double lowest = -half.z() + std::min(kBelowBody_m, 0.25 * half.z());
   return p.z() >= lowest && (p.array().abs() <= half.array() + kBodyMargin_m).all();
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Actors' boxes as rays meet them.
+// Intersection of rays with actors' boxes.
 #include <Eigen/Core>
 #include <vector>
 
@@ -8,34 +8,34 @@
 
 namespace simuli {
 
-/// Of a line, in lengths of its direction: from behind its origin on. first > last: nothing of it.
+/// An interval along a line in lengths of its direction; may begin before the origin. first > last: empty.
 struct BoxInterval {
   double first, last;
 };
-/// What of a line lies in the box of half sides `half` about the frame's origin.
+/// Returns the interval of a line inside the box with half sides `half` about the frame's origin.
 [[nodiscard]] BoxInterval inside_box(const Eigen::Vector3d& origin,
                                      const Eigen::Vector3d& direction,
                                      const Eigen::Vector3d& half);
 
-/// Actors' boxes during a frame. Rays meet them where they are at the ray's own time.
+/// Actors' boxes during a frame, at their poses at each ray's own time.
 class ActorBoxes {
  public:
-  /// `view` with the poses of `actors`, in their order.
+  /// `view` with the poses of `actors`, in the same order.
   ActorBoxes(const std::vector<Actor>& actors, View view);
   static constexpr int kNone = -1;
-  /// The actor whose box the ray from a point of the sensor frame, at that share of the frame, enters first;
-  /// kNone: it meets none.
+  /// Returns the actor whose box the ray from a point of the sensor frame, at that share of the frame, enters
+  /// first; kNone without one.
   [[nodiscard]] int met_first(const Eigen::Vector3d& origin,
                               const Eigen::Vector3d& direction,
                               double time_fraction) const;
-  /// The first actor whose box the point at `range` m along that ray is in; kNone: it is in none.
+  /// Returns the first actor whose box contains the point at `range` m along that ray; kNone without one.
   [[nodiscard]] int around(const Eigen::Vector3d& origin,
                            const Eigen::Vector3d& direction,
                            double range,
                            double time_fraction) const;
-  /// Whether what a ray met of the actor, at a point of the sensor frame, is of its body: in its box, which is
-  /// grown by kBodyMargin_m, as labels are not exact, and above the lowest kBelowBody_m, where the road lies
-  /// with what shadow the actor casts.
+  /// Whether a point of the sensor frame on the actor belongs to its body: inside its box, enlarged by
+  /// kBodyMargin_m because labels are inexact, and above the lowest kBelowBody_m, which contain road and
+  /// shadow.
   [[nodiscard]] bool is_of_body(std::size_t actor,
                                 const Eigen::Vector3d& p_sensor,
                                 double time_fraction) const;
@@ -50,7 +50,7 @@ class ActorBoxes {
  private:
   [[nodiscard]] Pose scene_from_sensor(double time_fraction) const;
   [[nodiscard]] Pose actor_from_scene(std::size_t actor, double time_fraction) const;
-  /// Whether the line meets the ball about the actor's box: most lines are far from most boxes.
+  /// Whether the line hits the bounding ball of the actor's box, a quick rejection test.
   [[nodiscard]] bool is_within_ball(std::size_t actor,
                                     const Eigen::Vector3d& p_scene,
                                     const Eigen::Vector3d& direction_scene,

@@ -7,15 +7,14 @@
 
 namespace simuli {
 
-/// What a trained scene adds to the pictures of its camera set: environment and colour grids, where it has
-/// them.
+/// The appearance of a trained scene's pictures: environment map and colour grids, where it has them.
 class AppearanceOnDevice {
  public:
-  /// `scene` must outlive it.
+  /// `scene` must outlive this object.
   AppearanceOnDevice(const Device& device, const Scene& scene, Precision precision);
 
-  /// Renders the camera set as `camera` sees it during the shot: through the grid that ColorGrids::at gives.
-  /// Null: colours are those that all pictures share.
+  /// Renders the camera set as seen by `camera` during the shot, with the grid that ColorGrids::at selects.
+  /// Null: without colour grid.
   template <class Particles>  // ParticleBuffers, ParticlePages
   Pass render(Renderer& renderer,
               Particles& camera_set,

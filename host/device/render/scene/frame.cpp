@@ -40,13 +40,13 @@ Frame::State::State(const Device& device,
       outputs(pool->take(device, "ray outputs", precision)),
       picture(pool->take(device, "graded picture", precision)) {}
 
-// What the device still does with the buffers comes before anything that the next frame does.
+// In the in-order queue, work on the buffers precedes the work of the next frame.
 Frame::State::~State() {
   pool->give_back(std::move(outputs));
   pool->give_back(std::move(picture));
 }
 
-/// What the device does last of a frame.
+/// The last rendering of a frame.
 const Frame::State& Frame::last_of(const State& state) {
   return state.of_actors ? *state.of_actors->state_ : state;
 }
@@ -68,7 +68,7 @@ const RayResults& Frame::results() const {
   State& s = *state_;
   if (s.results) return *s.results;
   fetch();
-  wait();  // may be interrupted; what comes is taken once
+  wait();  // may be interrupted; a download can be taken only once
   const std::vector<float> outputs = s.outputs_coming->take();
   const std::vector<float> picture = s.graded ? s.picture_coming->take() : std::vector<float>{};
   s.results = results_of(s.rays.grid(), outputs, picture, s.background, s.has_median);
@@ -101,7 +101,7 @@ std::vector<std::uint32_t> Frame::owners() const {
   if (!s.of_actors) return std::vector<std::uint32_t>(s.rays.grid().rays, 0);
   const std::vector<float>& ids = s.of_actors->results().median;
   std::vector<std::uint32_t> actors(ids.begin(), ids.end());
-  // Vistas and what occluders hide are background.
+  // Visibility sets, disoccluded and inpainted sets count as background.
   for (std::uint32_t& id : actors) id = s.owner_numbers.is_actor(id) ? id : 0;
   return actors;
 }

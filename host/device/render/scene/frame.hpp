@@ -1,5 +1,5 @@
 #pragma once
-// What a sensor saw in one shot.
+// The result of one shot of a sensor.
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
@@ -16,60 +16,59 @@
 
 namespace simuli {
 
-/// What one frame is asked for beside sensor and shot.
+/// Optional requests of a frame in addition to sensor and shot.
 struct FrameRequest {
-  std::optional<RenderOptions> options = {};  // instead of the scene's
-  std::vector<bool> rays = {};  // [rays] those to render, the others show the background; empty: all
-  bool graded = true;           // pictures through the scene's colour grids
+  std::optional<RenderOptions> options = {};  // in place of the scene's
+  std::vector<bool> rays = {};  // [rays] to render, others show the background; empty: all
+  bool graded = true;  // pictures exposure-corrected by the scene's colour grids
   bool camera_median = false;   // cameras: also RayResults::median (LiDARs: RenderOptions::median_distance)
-  bool actors = false;  // also Frame::actors() and owners(), for which the frame is rendered once more
+  bool actors = false;  // also Frame::actors() and owners(), which take another rendering
 };
 
-/// dL/d(RayResults) by ray, of a loss that is the caller's. What is empty is 0.
+/// dL/d(RayResults) by ray, for a loss of the caller. Empty vectors are 0.
 struct RayGradients {
   std::vector<float> feature[3];     // [rays]
   std::vector<float> transmittance;  // [rays]
   std::vector<float> distance;       // [rays], of the sum of w tau
 };
 
-/// A frame that SceneOnDevice renders. A handle: copies are the same frame. It has its results to itself:
-/// frames that are rendered later leave it as it is, and any number of them may be on their way at once.
+/// A frame rendered by SceneOnDevice. A handle: copies refer to the same frame. Its results are independent of
+/// later frames, and any number of frames may be in progress at once.
 ///   std::vector<Frame> frames;
 ///   for (const Sensor& sensor : rig) {
 ///     frames.push_back(scene.render(sensor, shot_of(sensor)));
 ///     frames.back().fetch();  // while the next one is rendered
 ///   }
 ///   for (const Frame& frame : frames) use(frame.results());
-/// Used by the thread that uses the scene. Errors of the device come from the call that waits:
-/// Error{kDevice}.
+/// Used by the thread that uses the scene. Calls that wait throw Error{kDevice} for failures on the device.
 class Frame {
  public:
   [[nodiscard]] const Sensor& sensor() const;
   [[nodiscard]] const Shot& shot() const;
 
-  /// Whether the device has rendered it; does not wait.
+  /// Whether the device has finished rendering; does not wait.
   [[nodiscard]] bool is_ready() const;
-  /// Until the device has rendered it.
+  /// Waits until the device has finished rendering.
   void wait() const;
-  /// Starts bringing the results to the host; does not wait. Without it, results() starts when it is called,
-  /// and comes behind whatever is queued by then.
+  /// Queues the download of the results; does not wait. Otherwise results() queues it, after all work queued
+  /// until then.
   void fetch() const;
 
-  /// By ray, in the sensor's order: pixels row-major, beams x firings, a list's rays. Waits; brought to the
-  /// host once.
+  /// Returns the results by ray, in the sensor's order: pixels row-major, beams x firings, or a list's rays.
+  /// Waits; downloads once.
   [[nodiscard]] const RayResults& results() const;
-  /// Of a camera, clipped to [0, 1]: [height][width][3]. Error{kUsage} of a LiDAR.
+  /// Returns a camera's picture, clipped to [0, 1]: [height][width][3]. Throws Error{kUsage} for a LiDAR.
   [[nodiscard]] Image image() const;
-  /// Of a LiDAR: what it states of each ray. Error{kUsage} of a camera.
+  /// Returns a LiDAR's measurements by ray. Throws Error{kUsage} for a camera.
   [[nodiscard]] LidarFrame lidar() const;
-  /// Where a LiDAR's rays ended: [rays] m; of rays without a return the rays' origins.
+  /// Returns the end points of a LiDAR's rays: [rays] m; for rays without a return the rays' origins.
   [[nodiscard]] std::vector<Eigen::Vector3d> points(PointFrame in = PointFrame::kWorld) const;
-  /// Of a frame that was asked for them: [rays] whose particle takes the ray's light below a half, 1 + its
-  /// place in Scene::actors; 0: none's, or half of the light goes on. Where the median distance is.
-  /// Error{kUsage} of others.
+  /// Returns, for a frame requested with actors, [rays]: 1 + the index in Scene::actors of the particle at
+  /// which transmittance falls below 1/2 (the median distance); 0: the background, or transmittance stays
+  /// above. Throws Error{kUsage} for other frames.
   [[nodiscard]] std::vector<std::uint32_t> owners() const;
-  /// The same of actors' bodies alone (ActorBoxes::is_of_body()): without the shadow and the road around them
-  /// that their particles show, too.
+  /// Returns the same only for actors' bodies (ActorBoxes::is_of_body()), without shadow and road that their
+  /// particles also show.
   [[nodiscard]] std::vector<std::uint32_t> actors() const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// What a Frame consists of on the device: for the room itself, and for those who hand device memory out.
+// Device state of a Frame, for this module and for callers that expose device memory.
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -15,14 +15,14 @@
 
 namespace simuli {
 
-/// Output buffers that frames have finished with, for the next ones.
+/// Output buffers of released frames, for reuse.
 class OutputPool {
  public:
   [[nodiscard]] RealBuffer take(const Device& device, const char* name, Precision precision);
   void give_back(RealBuffer buffer);
 
  private:
-  static constexpr std::size_t kMost = 8;  // free ones; what more frames leave goes back to the device
+  static constexpr std::size_t kMost = 8;  // free buffers; further ones are released
   std::vector<RealBuffer> free_;
 };
 
@@ -45,24 +45,24 @@ struct Frame::State {
   OwnerNumbers owner_numbers;  // of the scene
   SensorRays rays;
   std::shared_ptr<OutputPool> pool;
-  RealBuffer outputs;  // [SIM_OUTPUTS][slots], of cameras without the last
-  RealBuffer picture;  // [3][slots] when graded
+  RealBuffer outputs;  // [SIM_OUTPUTS][slots], cameras without the last row
+  RealBuffer picture;  // [3][slots], with colour grid
   bool graded = false;
   bool has_median = false;
   std::array<float, 3> background{};
   std::optional<Event> done;
   std::optional<Download> outputs_coming, picture_coming;
   std::optional<RayResults> results;
-  std::optional<Frame> of_actors;   // the same with View::actor_ids; of a scene with actors, when asked for
-  std::optional<ActorBoxes> boxes;  // where there is of_actors
+  std::optional<Frame> of_actors;  // rendering with View::actor_ids; only for scenes with actors, on request
+  std::optional<ActorBoxes> boxes;  // with of_actors
 };
 
-/// A frame's results where they are, in slot order, with the map that tells rays from slots. All of it lives
-/// as long as the frame, and holds its values when the frame is_ready().
+/// Device buffers of a frame's results in slot order, with the maps between rays and slots. They live as long
+/// as the frame, and are valid when the frame is_ready().
 struct FrameBuffersOfRays {
   const RealBuffer&
       outputs;  // [6][slots]: features, transmittance, distance, median; LiDARs: [7], drop logit
-  const RealBuffer* picture;                // [3][slots], graded: instead of the features; null: not graded
+  const RealBuffer* picture;  // [3][slots] after the colour grid, in place of the features; null without
   const Buffer<std::int32_t>& ray_of_slot;  // [slots], -1: none
   const Buffer<std::int32_t>& slot_of_ray;  // [rays], -1: none
   std::size_t slots = 0;
@@ -70,11 +70,11 @@ struct FrameBuffersOfRays {
 };
 
 struct FrameAccess {
-  /// Whether it was rendered of this scene, as it is now.
+  /// Whether the frame was rendered of this scene in its current state.
   [[nodiscard]] static bool is_of(const Frame& frame, const Scene& scene) {
     return frame.state_->scene.lock().get() == &scene;
   }
-  /// Refuses it, kUsage, where it was not: `call` is asked for what the scene says of it.
+  /// Throws Error{kUsage} when it was not; `call` names the call.
   static void need_of(const Frame& frame, const Scene& scene, std::string_view call);
   [[nodiscard]] static FrameBuffersOfRays buffers(const Frame& frame);
   [[nodiscard]] static _cl_event* ready(const Frame& frame) { return frame.state_->done->handle(); }

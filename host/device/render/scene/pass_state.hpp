@@ -1,5 +1,5 @@
 #pragma once
-// What a renderer owns and its passes share (renderer.cpp, pass.cpp).
+// State of a renderer that its passes share (renderer.cpp, pass.cpp).
 #include <array>
 #include <map>
 #include <memory>
@@ -23,21 +23,21 @@ struct Pass::State {
     RaysStage rays;
     ProjectStage project;
     RenderStage render;
-    // These when asked for.
+    // Made on demand.
     std::optional<RenderBackwardStage> render_back;
     std::optional<ProjectBackwardStage> project_back;
     std::optional<LargestWeightStage> largest_weight;
     std::optional<OffTrajectoryStage> off_trajectory;
     Variant own;
   };
-  /// Of grids of one size.
+  /// Stages for grids of one size.
   struct ColorGrid {
     ColorGridStage forward;
-    std::optional<ColorGridBackwardStage> back;  // when asked for
+    std::optional<ColorGridBackwardStage> back;  // made on demand
   };
-  /// What the gradient that stands in grad_out is of.
+  /// The variable whose gradient is in grad_out.
   enum class Gradient { kNone, kOfGraded, kOfOutputs };
-  /// The last frame, how far it has come.
+  /// The last frame and its progress.
   struct Frame {
     std::optional<SensorRays> rays;
     Stages* stages = nullptr;
@@ -56,12 +56,12 @@ struct Pass::State {
   State(const Device& on, const RenderOptions& wanted);
   Stages& stages(const FrameKind& kind);
   ColorGrid& grid_stages(const ColorGridBuffers& of);
-  // What a call may ask of the last frame, else Error{kUsage}.
+  // Preconditions of calls; throw Error{kUsage}.
   void need_grid(const char* call, const ColorGridBuffers& of, std::size_t index) const;
   void need_truth(const char* call, const RayValues& truth, std::size_t channels) const;
   void need_gradient(const char* call) const;
   void need_particles(const char* call, const ParticleBuffers& particles) const;
-  /// grad_out is that of what is shown.
+  /// Marks grad_out as the gradient of the displayed picture.
   void has_gradient() { frame.gradient = frame.graded ? Gradient::kOfGraded : Gradient::kOfOutputs; }
   [[nodiscard]] const RealBuffer& shown() const {
     return frame.graded ? pictures.picture : buffers.blended.out;
@@ -73,7 +73,7 @@ struct Pass::State {
   BinStage bin;
   ImageLossStage image_loss;
   LidarLossStage lidar_loss;
-  // These when asked for.
+  // Made on demand.
   std::optional<DeformStage> deform;
   std::optional<DeformBackwardStage> deform_back;
   std::optional<EnvironmentStage> environment;

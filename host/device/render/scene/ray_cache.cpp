@@ -17,7 +17,7 @@ RayCache::RayCache(std::size_t budget_bytes)
     : once_(once_of(budget_bytes)), again_(budget_bytes - once_of(budget_bytes)) {}
 
 std::shared_ptr<RayCache> RayCache::of(const Device& device) {
-  // By the device's state, which whoever has the cache keeps, too.
+  // Keyed by the device's state, which owners of the cache keep alive.
   static std::mutex mutex;
   static std::map<const void*, std::weak_ptr<RayCache>> caches;
   const std::lock_guard lock(mutex);
@@ -32,7 +32,7 @@ std::shared_ptr<RayCache> RayCache::of(const Device& device) {
 }
 
 SensorRays RayCache::get(const RaysKey& key, const std::function<SensorRays()>& make) {
-  // The sensor's rays themselves, which the key has, too.
+  // The key contains the sensor's rays as well.
   const auto bytes_of = [&](const SensorRays& rays) {
     return rays.bytes() + key.requested.size() / 8 +
            (key.sensor.is_camera() ? 0 : key.sensor.ray_count() * 4 * sizeof(float));

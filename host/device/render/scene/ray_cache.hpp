@@ -1,5 +1,5 @@
 #pragma once
-// The rays of sensors that were used last on a device, for all scenes there.
+// Cache of sensors' rays on a device, shared by all scenes.
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace simuli {
 
-/// What the rays of a sensor on the device depend on.
+/// Key of a sensor's rays on the device.
 struct RaysKey {
   Sensor sensor;
   Precision precision;
@@ -29,14 +29,14 @@ struct RaysHash {
   }
 };
 
-/// A budget of bytes, device and host together. Rays that come back are kept within it; those that were used
-/// once, which a rig varied at random never asks for again, within a small part of it. A sensor that went
-/// before it came back is known by its hash, and kept the next time.
+/// A cache with a budget in bytes, device and host together. Rays used repeatedly share the budget; rays used
+/// once, as in randomly varied rigs, get only a small part of it. Hashes of evicted sensors are remembered, so
+/// that they count as repeated at their next use.
 class RayCache {
  public:
   explicit RayCache(std::size_t budget_bytes);
 
-  /// The one of `device`, for as long as anybody has it: a quarter of the device's memory.
+  /// Returns the cache of `device`, which lives as long as a user: a quarter of the device's memory.
   [[nodiscard]] static std::shared_ptr<RayCache> of(const Device& device);
 
   [[nodiscard]] SensorRays get(const RaysKey& key, const std::function<SensorRays()>& make);
@@ -47,7 +47,7 @@ class RayCache {
   using Cache = LruCache<SensorRays, RaysKey, RaysHash>;
   static constexpr std::size_t kMostKnown = 65536;
   Cache once_, again_;
-  std::unordered_set<std::size_t> known_;  // hashes of what was used
+  std::unordered_set<std::size_t> known_;  // hashes of used keys
 };
 
 }  // namespace simuli

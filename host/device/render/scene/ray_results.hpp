@@ -4,7 +4,7 @@
 
 namespace simuli {
 
-/// What every ray saw, in ray order (pixels or beams row-major).
+/// Results by ray, in ray order (pixels or beams row-major).
 struct RayResults {
   std::size_t rays = 0;
   std::vector<float> feature[3];     // [rays] colour, or intensity, hit logit, drop logit
@@ -14,9 +14,9 @@ struct RayResults {
 
   std::vector<float> drop_logit;  // [rays] of LiDARs: ln(p / (1 - p)) of drop_probability(); else empty
 
-  /// That a LiDAR's ray doesn't return.
+  /// Probability that a LiDAR ray does not return.
   [[nodiscard]] float drop_probability(std::size_t ray) const;
-  /// Expected distance in m; 0 where nothing at all was met.
+  /// Expected distance in m; 0 for a ray without any hit.
   [[nodiscard]] float expected_distance(std::size_t ray) const;
 };
 

@@ -9,7 +9,7 @@
 namespace simuli {
 namespace {
 
-constexpr float kOneSurface_m = 0.15F;  // how near median and mean are where a ray meets a single surface
+constexpr float kOneSurface_m = 0.15F;  // largest difference of median and mean for a single surface
 
 }  // namespace
 

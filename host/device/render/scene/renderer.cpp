@@ -80,7 +80,7 @@ void check(const RenderOptions& options,
        "the renderer's");
 }
 
-/// All half-way through the frame.
+/// Freezes all actors at mid-frame.
 std::vector<ActorView> at_rest(std::vector<ActorView> actors) {
   for (ActorView& actor : actors) {
     actor.scene_from_actor_start = interpolate(actor.scene_from_actor_start, actor.scene_from_actor_end, 0.5);
@@ -175,7 +175,7 @@ Pass Renderer::render(const ParticleBuffers& particles,
     pages->bring(FrameSight(rays.grid().type, sensor.constants, s.options.detail > 0.0, actors));
   }
 
-  // From here on the last frame's buffers are taken.
+  // From here on the last frame's buffers are overwritten.
   const std::uint64_t number = ++s.frames;
   s.frame = {
       rays, &stages, rays.grid().frame, sensor.constants, view.background, particles.id(), environment};

@@ -9,10 +9,10 @@ namespace simuli {
 
 class ParticlePages;  // host/device/render/pages/particle_pages.hpp
 
-/// Renders one particle set as one sensor sees it, a frame at a time.
+/// Renders one particle set for one sensor, one frame at a time.
 class Renderer {
  public:
-  /// Error{kUsage} for options that validate() refuses.
+  /// Throws Error{kUsage} for options that validate() refuses.
   Renderer(const Device& device, const RenderOptions& options);
   Renderer(Renderer&&) noexcept = default;
   Renderer& operator=(Renderer&&) noexcept = default;
@@ -20,23 +20,22 @@ class Renderer {
   Renderer& operator=(const Renderer&) = delete;
   ~Renderer() = default;
 
-  /// Forward pass: project, sort, bin, blend, over the environment when one is given (cameras; the view's
-  /// background is then seen by pixels without a ray alone). Results stay on the device. Error{kUsage} for
-  /// rays or particles made with other options, fewer actors in the view than the particles belong to, an
-  /// environment behind a LiDAR.
+  /// Forward pass: project, sort, bin, blend, composite over the environment if given (cameras; the view's
+  /// background then shows only in pixels without a ray). Results stay on the device. Throws Error{kUsage} for
+  /// rays or particles made with other options, for fewer actors in the view than the particles' owners, and
+  /// for an environment with a LiDAR.
   Pass render(const ParticleBuffers& particles,
               const SensorRays& rays,
               const View& view,
               const EnvironmentBuffers* environment = nullptr);
 
-  /// The same of particles of which those come to the device that the frame may see. Errors of
-  /// ParticlePages::bring().
+  /// Forward pass with paged particles, loading those that the frame may see. Throws as ParticlePages::bring().
   Pass render(ParticlePages& particles,
               const SensorRays& rays,
               const View& view,
               const EnvironmentBuffers* environment = nullptr);
 
-  /// Puts particles of actors back into their boxes; `actors` of the scene, in its order.
+  /// Moves particles of actors back into their boxes; `actors` of the scene, in order.
   void confine(ParticleBuffers& particles, const std::vector<Actor>& actors, double margin_m);
 
   [[nodiscard]] const RenderOptions& options() const;

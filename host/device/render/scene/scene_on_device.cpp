@@ -20,15 +20,15 @@
 namespace simuli {
 namespace {
 
-/// What particles on the device depend on, beside the scene.
+/// Key of uploaded particles, in addition to the scene.
 struct UploadKey {
   SetKind kind;
   Precision precision;
   UploadOptions options;
-  bool detailed;  // with what stands for several of them
+  bool detailed;  // with levels of detail
   bool operator==(const UploadKey&) const = default;
 };
-/// A particle set: all of it on the device, or in pages.
+/// An uploaded particle set: complete, or in pages.
 struct Upload {
   UploadKey key;
   std::variant<ParticleBuffers, ParticlePages> particles;
@@ -44,7 +44,7 @@ struct Painter {
   Renderer renderer;
 };
 
-/// What is there of a frame behind its rendering.
+/// Result of rendering a frame.
 struct Drawn {
   Pass pass;
   Precision precision;
@@ -52,7 +52,7 @@ struct Drawn {
   std::array<float, 3> background;
 };
 
-/// [5][rays] in ray order; what is not given is 0.
+/// [5][rays] in ray order; missing gradients are 0.
 std::vector<double> output_gradients(std::size_t rays, const RayGradients& of_rays) {
   std::vector<double> out(5 * rays, 0.0);
   const std::array<const std::vector<float>*, 5> all{&of_rays.feature[0],
@@ -76,7 +76,7 @@ std::vector<double> output_gradients(std::size_t rays, const RayGradients& of_ra
   return out;
 }
 
-/// [N, rows] from [rows][stride].
+/// Transposes [rows][stride] to [N, rows].
 Eigen::MatrixXf by_particle(const RealBuffer& gradients, const ParticleBuffers& particles) {
   const std::vector<float> values = gradients.download_float();
   const int rows = param_rows(particles.sh_degree);
@@ -93,7 +93,8 @@ const RenderOptions& valid(const RenderOptions& options) {
   return options;
 }
 
-/// The one of `kept` that suits(), else what make() puts in front; the last used first, at most `most`.
+/// Returns the element of `kept` that suits(), else the result of make(); most recently used first, at most
+/// `most`.
 template <class T, class Suits, class Make>
 T& first_of(std::list<T>& kept, std::size_t most, const Suits& suits, const Make& make) {
   const auto found = std::find_if(kept.begin(), kept.end(), suits);
@@ -101,7 +102,7 @@ T& first_of(std::list<T>& kept, std::size_t most, const Suits& suits, const Make
     kept.splice(kept.begin(), kept, found);
     return kept.front();
   }
-  if (kept.size() >= most) kept.pop_back();  // first, so that the device never holds more
+  if (kept.size() >= most) kept.pop_back();  // before making another, to limit device memory
   make();
   return kept.front();
 }
@@ -109,14 +110,14 @@ T& first_of(std::list<T>& kept, std::size_t most, const Suits& suits, const Make
 }  // namespace
 
 struct SceneOnDevice::State {
-  // Of the options used last: what a viewer switches between, and a comparison of two.
+  // Uploads for recently used options, which a viewer or a comparison switches between.
   static constexpr std::size_t kMostUploads = 4;
   static constexpr std::size_t kMostPainters = 2;
 
   State(const Device& on, std::shared_ptr<const Scene> of, const RenderOptions& with)
       : device(on), scene(std::move(of)), options(valid(with)), sensors(RayCache::of(on)) {}
 
-  /// `whole`: all of it on the device, or an Error.
+  /// `whole`: throws an Error unless the complete set fits on the device.
   Upload& particles(SetKind kind, const RenderOptions& o, bool whole) {
     const UploadKey key{kind, o.precision, o, o.detail > 0.0};
     return first_of(
@@ -163,13 +164,13 @@ struct SceneOnDevice::State {
     return *appearance;
   }
 
-  /// What draw() draws beside a sensor's picture.
+  /// Options of draw() in addition to the request.
   struct Drawing {
-    bool actor_ids = false;  // who is there
-    bool whole = false;      // for gradients: all particles are on the device
+    bool actor_ids = false;  // render actor numbers
+    bool whole = false;  // complete upload, for gradients
   };
 
-  /// Renders; everything stays on the device, and with the pass.
+  /// Renders; results stay on the device with the pass.
   Drawn draw(const Sensor& sensor, const Shot& shot, const FrameRequest& request, Drawing what) {
     RenderOptions o = request.options ? *request.options : options;
     o.camera_filter_px2 = camera_filter_px2(o, scene->camera_filter_px2);
@@ -177,7 +178,7 @@ struct SceneOnDevice::State {
     View view = view_of(*scene, shot, kind);
     view.camera_median = request.camera_median;
     view.actor_ids = what.actor_ids;
-    if (what.actor_ids) view.background = {};  // median distances have none
+    if (what.actor_ids) view.background = {};  // the median's background is 0
     if (!sensor.is_camera()) view.drop = ray_drop_of(scene->ray_drop, name_of(sensor.lidar()));
     Renderer& on = renderer(o);
     const SensorRays seen = rays(sensor, o, request.rays);
@@ -193,7 +194,7 @@ struct SceneOnDevice::State {
     return {std::move(pass), o.precision, upload.buffers(), view.background};
   }
 
-  /// What is drawn becomes a frame's.
+  /// Converts a rendering to a frame.
   std::shared_ptr<Frame::State> frame_of(Drawn drawn,
                                          const Sensor& sensor,
                                          const Shot& shot,
@@ -215,7 +216,7 @@ struct SceneOnDevice::State {
   RenderOptions options;
   std::list<Upload> uploads;
   std::list<Painter> painters;
-  std::shared_ptr<RayCache> sensors;  // of the device
+  std::shared_ptr<RayCache> sensors;  // shared by the device
   std::optional<AppearanceOnDevice> appearance;
   Precision appearance_precision = Precision::kFloat;
   std::shared_ptr<OutputPool> pool = std::make_shared<OutputPool>();

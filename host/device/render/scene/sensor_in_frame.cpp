@@ -38,13 +38,13 @@ SensorInFrame sensor_in_frame(const SensorRays& rays,
   put_inverse(a.rotation, c.rotation_start);
   put_inverse(middle.rotation, c.rotation_ref);
 
-  // The turn from start to end in the sensor frame, by the shorter arc as slerp takes it.
+  // The rotation from start to end in the sensor frame, by the shorter arc as in slerp.
   Eigen::Quaterniond turn = a.rotation.conjugate() * b.rotation;
   if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
   const double sine = turn.vec().norm();
   c.turn_angle = 2.0 * std::atan2(sine, turn.w());
   put(sine > 0.0 ? Eigen::Vector3d(turn.vec() / sine) : Eigen::Vector3d::UnitX(), c.turn_axis);
-  // Below what float poses resolve there is no motion: 1e-9 m and rad over the frame.
+  // Motion below the resolution of float poses counts as none: 1e-9 m and rad over the frame.
   out.moving = c.turn_angle > 1e-9 || (b.translation - a.translation).norm() > 1e-9;
 
   c.alpha_cut = options.alpha_cut;

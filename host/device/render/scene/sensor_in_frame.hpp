@@ -1,5 +1,5 @@
 #pragma once
-// What kernels are told of a sensor in one frame.
+// Kernel constants of a sensor in one frame.
 #include <array>
 
 #include "cl/shared/sensor_constants.h"
@@ -13,7 +13,7 @@ struct SensorInFrame {
   bool moving = false;  // start and end differ
 };
 
-/// The constants of one frame: model, poses, cuts, background, drop function.
+/// Returns the constants of one frame: model, poses, cuts, background, ray-drop function.
 [[nodiscard]] SensorInFrame sensor_in_frame(const SensorRays& rays,
                                             const Pose& scene_from_sensor_start,
                                             const Pose& scene_from_sensor_end,

@@ -40,7 +40,7 @@ RequestedRays masked_rays(const Device& device,
   return out;
 }
 
-/// The columns and rows of a camera between which the pixels lie that are `wanted` [rays].
+/// Finds the bounding rectangle of a camera's `wanted` pixels [rays].
 void print_rectangle(const RayGrid& grid,
                     const std::vector<bool>& wanted,
                     shared::ModelConstants<double>& model) {
@@ -50,14 +50,14 @@ void print_rectangle(const RayGrid& grid,
     if (wanted[ray]) box.extend(Eigen::Vector2d(ray % width, ray / width));
   }
   if (box.isEmpty())
-    box = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Constant(-1.0)};  // nothing is between these
+    box = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Constant(-1.0)};  // an empty rectangle
   model.first_column = box.min().x();
   model.last_column = box.max().x();
   model.first_row = box.min().y();
   model.last_row = box.max().y();
 }
 
-/// [rays] that leave the sensor; empty: all.
+/// Rays outside the LiDAR's blind arcs, [rays]; empty: all.
 std::vector<bool> not_blind(const LidarModel& model, const LidarRays& rays) {
   const auto* const lidar = std::get_if<Lidar>(&model);
   if (lidar == nullptr || !lidar->has_blind()) return {};
@@ -141,7 +141,7 @@ std::size_t SensorRays::bytes() const {
       real * (r.sensor_ray.capacity() + l.u.capacity() + l.row_elevation.capacity()) + l.row_lut.bytes() +
       l.tile_rows.bytes() + l.tile_row_of_row.bytes() + l.column_of_bin.bytes() + r.mask_row_of_row.bytes() +
       r.areas.bytes();
-  const std::size_t of_map = (g.ray_of_slot.size() + g.rays) * sizeof(std::int32_t);  // once a frame is read
+  const std::size_t of_map = (g.ray_of_slot.size() + g.rays) * sizeof(std::int32_t);  // copied when a frame is read
   const std::size_t on_host =
       (g.sensor_ray.size() + g.u.size()) * sizeof(float) + g.row_elevation.size() * sizeof(double) +
       (g.ray_of_slot.size() + g.row_lut.size()) * sizeof(std::int32_t) +

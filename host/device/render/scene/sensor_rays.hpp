@@ -1,5 +1,5 @@
 #pragma once
-// A sensor's rays on a device, and numbers that belong to them.
+// A sensor's rays on a device, and values attached to them.
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -22,13 +22,12 @@ struct RayMap : BufferTable<RayMapSizes> {
   RayMap(const Device& device, const RayGrid& grid);
   /// [slots], -1: none.
   Array<std::int32_t> ray_of_slot{*this, "ray_of_slot", [](const RayMapSizes& s) { return s.slots; }};
-  /// [rays], -1: none, of a pixel that the lens sees nothing through.
+  /// [rays], -1: a pixel without a ray through the lens.
   Array<std::int32_t> slot_of_ray{*this, "slots_of_map", [](const RayMapSizes& s) { return s.rays; }};
 };
 
-/// A sensor ready to render: its ray grid, on host and device, and which of its rays are asked for. A value
-/// that never changes; copies share what it is made of, and a Pass keeps it alive, so that a temporary may be
-/// rendered.
+/// A sensor ready to render: its ray grid on host and device, and its requested rays. An immutable value;
+/// copies share their data, and a Pass keeps it alive, so that temporaries may be rendered.
 class SensorRays {
  public:
   SensorRays(const Device& device, const Camera& camera, const RenderOptions& options);
@@ -38,40 +37,39 @@ class SensorRays {
              const LidarRays& rays,
              const RenderOptions& options);
 
-  /// The same sensor's, of which those with flags[ray] alone are rendered; the others are slots without a
-  /// ray, and their results the background. flags[rays], whatever was asked for before. A LiDAR's ray mask is
-  /// made anew; a camera's particles are left out outside the rectangle of its pixels that are asked for. Waits.
-  /// Error{kUsage} for another number of flags.
+  /// Returns the same sensor with only the rays flags[ray]; other slots have no ray and show the background.
+  /// flags[rays], independent of earlier requests. Rebuilds a LiDAR's ray mask; limits a camera to the bounding
+  /// rectangle of the requested pixels. Waits. Throws Error{kUsage} for another number of flags.
   [[nodiscard]] SensorRays requested(std::vector<bool> flags) const;
 
   [[nodiscard]] const RayGrid& grid() const { return shared_->grid; }
-  /// Whether a LiDAR's ray mask can leave particles out that no ray asked for reaches.
+  /// Whether a LiDAR's ray mask can cull particles that no requested ray hits.
   [[nodiscard]] bool can_cull() const { return request_->can_cull; }
-  /// The grid's, with where those that are asked for are.
+  /// The grid's constants, with the bounds of the requested rays.
   [[nodiscard]] const shared::ModelConstants<double>& model() const { return request_->model; }
   [[nodiscard]] RayBuffers buffers() const { return {shared_->layout, request_->rays}; }
-  /// The map between slots and rays on the device, made when first asked for.
+  /// The map between slots and rays on the device, made on demand.
   [[nodiscard]] const RayMap& map() const;
-  /// Of the device and of the host together; what all requests have in common counts for each.
+  /// Bytes on device and host; data common to several requests count for each.
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] Precision precision() const { return shared_->precision; }
-  /// Whether both are of the same sensor, made once.
+  /// Whether both share the rays of one sensor object.
   [[nodiscard]] bool is_of_sensor_of(const SensorRays& other) const { return shared_ == other.shared_; }
 
-  /// values[channels][rays] in ray order -> [channels][slots] in slot order; slots without a ray get 0.
+  /// Reorders values[channels][rays] from ray order to [channels][slots]; slots without a ray get 0.
   template <class T>
   [[nodiscard]] std::vector<T> to_slots(const std::vector<T>& values, std::size_t channels) const;
-  /// Error{kUsage} naming the option when rays made with others would be rendered with `options`.
+  /// Throws Error{kUsage} with the option when the rays were made with other options than `options`.
   void need_made_with(const RenderOptions& options) const;
 
  private:
-  /// What all requests have in common.
+  /// Data common to all requests.
   struct Shared {
     Shared(const Device& device, RayGrid rays, std::vector<bool> seeing, const RenderOptions& options);
     Device device;
     Precision precision;
     RayOptions options;
-    std::vector<bool> sees;  // [rays] false in a LiDAR's blind arcs; empty: all do
+    std::vector<bool> sees;  // [rays] false in a LiDAR's blind arcs; empty: no blind arcs
     RayGrid grid;
     RayLayout layout;
     mutable std::optional<RayMap> map;
@@ -88,15 +86,16 @@ class SensorRays {
   std::shared_ptr<const Request> request_;
 };
 
-/// What each ray of a sensor recorded, on the device beside them: what losses compare with.
+/// Recorded values by ray on the device: the ground truth of losses.
 class RayValues {
  public:
-  /// values[channels][rays] in ray order; `name`: of the buffer. Error{kUsage} for another number of them.
+  /// values[channels][rays] in ray order; `name` of the buffer. Throws Error{kUsage} for another number of
+  /// values.
   RayValues(const SensorRays& rays,
             const std::vector<float>& values,
             std::size_t channels,
             const std::string& name = "values of rays");
-  /// That are made on the device; none yet.
+  /// Allocates values that the device computes.
   RayValues(const SensorRays& rays, std::size_t channels, const std::string& name);
 
   [[nodiscard]] const SensorRays& rays() const { return rays_; }

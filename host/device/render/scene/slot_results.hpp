@@ -7,8 +7,8 @@
 
 namespace simuli {
 
-/// From slot order. outputs: [SIM_OUTPUTS][slots], of cameras without the last; picture: [3][slots], shown
-/// instead of the outputs' features where it isn't empty. Pixels without a ray show `background`.
+/// Converts from slot order. outputs: [SIM_OUTPUTS][slots], cameras without the last row; picture: [3][slots],
+/// replaces the features unless empty. Pixels without a ray get `background`.
 [[nodiscard]] RayResults results_of(const RayGrid& grid,
                                     std::span<const float> outputs,
                                     std::span<const float> picture,

@@ -1,5 +1,5 @@
 #pragma once
-// Actors in training: gradients of their poses, and the boxes that hold particles.
+// Actors in training: pose gradients, and boxes that confine particles.
 #include <Eigen/Core>
 #include <vector>
 
@@ -22,7 +22,7 @@ struct ActorPoseGradient {
 struct ActorSizes {
   std::uint64_t actors = 0;
 
-  static constexpr std::uint32_t kChunks = 64;  // of each actor's list, summed side by side
+  static constexpr std::uint32_t kChunks = 64;  // chunks of each actor's list, summed in parallel
 };
 struct ActorBuffers : BufferTable<ActorSizes> {
   using BufferTable::BufferTable;
@@ -36,14 +36,14 @@ struct ActorBuffers : BufferTable<ActorSizes> {
 class ActorStage {
  public:
   ActorStage(const Device& device, Precision precision);
-  /// Sums of the pose gradients over the particles that the frame did not cull, by actor. In one fixed order:
-  /// the same frame gives the same bits. Waits.
+  /// Returns the pose gradients summed by actor over the particles that the frame did not cull. The order is
+  /// fixed: the same frame gives the same bits. Waits.
   [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients(const ParticleBuffers& particles,
                                                               const Projected& projected,
                                                               const GradientBuffers& gradients,
                                                               bool actor_motion);
-  /// Moves means into the boxes of `actors`, widened by margin_m to all sides, and shortens particles whose
-  /// standard deviation is above kLongest of the box's longest side.
+  /// Moves means into the boxes of `actors`, enlarged by margin_m, and shortens particles whose standard
+  /// deviation exceeds kLongest of the box's longest side.
   void confine(ParticleBuffers& particles, const std::vector<Actor>& actors, double margin_m);
 
   static constexpr double kLongest = 0.25;

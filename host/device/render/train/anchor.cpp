@@ -116,7 +116,7 @@ void AnchorStage::order_by_place(const ParticleBuffers& targets) {
   for (std::size_t i = 0; i < parts.size(); i += 6) {
     for (std::size_t k = 0; k < 3; ++k) side = std::max(side, parts[i + 3 + k] - low[k]);
   }
-  // Points in one place, or none: any cell will do.
+  // Points at a single position, or no points: any cell size works.
   const double cells_per_m = side > 0.0 ? kCells / side : 1.0;
   buffers_.frame.assign(std::vector<double>{low[0], low[1], low[2], cells_per_m});
   for (const std::uint32_t shift : {0U, 32U}) {
@@ -197,7 +197,7 @@ void AnchorStage::follow_targets(const std::vector<Eigen::Index>& order) {
   for (Buffer<std::uint32_t>* const words : {&candidates(), &nearest()}) {
     std::vector<std::uint32_t> targets = words->download();
     for (std::uint32_t& target : targets) {
-      if (target < place.size()) target = place[target];  // else: there are no more
+      if (target < place.size()) target = place[target];  // otherwise the list has ended
     }
     words->assign(targets);
   }

@@ -12,7 +12,7 @@
 namespace simuli {
 namespace {
 
-// Whole-number weights add up to less than 2^32, whatever rounding does to each.
+// Integer weights sum to less than 2^32 with any rounding.
 constexpr double kShares = 4294967296.0 * (1.0 - 1e-6);
 
 Program program(const Device& device, Precision precision) {

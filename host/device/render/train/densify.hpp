@@ -14,7 +14,7 @@ namespace simuli {
 struct RandomKey {
   std::uint64_t seed = 0;
   std::uint32_t iteration = 0;
-  std::uint32_t set = 0;  // tells the sets of a scene apart
+  std::uint32_t set = 0;  // index of the set in the scene
 };
 
 struct DensifyCounts {
@@ -22,10 +22,10 @@ struct DensifyCounts {
   std::uint32_t grown = 0;
 };
 
-/// What relocation is sized by.
+/// Sizes of relocation.
 struct DensifySizes {
   std::uint64_t particles = 0;
-  std::uint64_t targets = 0;  // relocated and new ones
+  std::uint64_t targets = 0;  // relocated and new particles
   std::uint64_t chunks = 0;
 };
 struct DensifyBuffers : BufferTable<DensifySizes> {
@@ -43,9 +43,9 @@ class DensifyStage {
  public:
   DensifyStage(const Device& device, Precision precision);
 
-  /// Errors of a frame's rays -> ray_error[S], for Pass::backward(). Pixels: mean absolute difference of
-  /// picture[3][S] and truth[3][S]. Beams: weighted distance (1 m at most), intensity and probability of the
-  /// wrong one of hit and drop; truth[2][S].
+  /// Computes errors of a frame's rays -> ray_error[S], for Pass::backward(). Pixels: mean absolute difference
+  /// of picture[3][S] and truth[3][S]. Beams: weighted distance (at most 1 m), intensity, and probability of
+  /// the wrong decision between hit and drop; truth[2][S].
   void pixel_error(const shared::FrameParams& frame,
                    const WorldRays& world_rays,
                    const RealBuffer& picture,
@@ -57,27 +57,25 @@ class DensifyStage {
                   const RealBuffer& truth,
                   const std::array<double, 3>& weights,
                   RealBuffer& ray_error);
-  /// Adds each particle's share of them, as render_bwd has blended it, to accumulated[N].
+  /// Adds each particle's share of the errors, distributed by render_bwd, to accumulated[N].
   void accumulate(const shared::FrameParams& frame,
                   const FrameBuffers& made,
                   const GradientBuffers& gradients,
                   RealBuffer& accumulated);
 
-  /// Relocates the particles that are nearly transparent (sigma < 0.005) or not finite, and adds up to
-  /// `growth` new ones. Each takes the parameters of one drawn in proportion to its accumulated error, and
-  /// belongs to the same actor; those that share a place share its opacity and scale. The matching rows of
-  /// `moments` (of params' layout) start at 0, and so does accumulated[N]. Nothing happens while no error has
-  /// been accumulated. Waits.
+  /// Relocates particles that are nearly transparent (sigma < 0.005) or not finite, and adds up to `growth` new
+  /// ones. Each copies a particle drawn in proportion to its accumulated error, and gets its owner; coincident
+  /// particles share opacity and scale. The corresponding rows of `moments` (in the layout of params) and
+  /// accumulated[N] are zeroed. Does nothing without accumulated errors. Waits.
   DensifyCounts relocate(ParticleBuffers& particles,
                          std::span<RealBuffer* const> moments,
                          RealBuffer& accumulated,
                          std::uint32_t growth,
                          const RandomKey& key);
-  /// Lets words[N][width] that belong to particles follow the last relocate(): they grow, and targets have
-  /// those of their sources.
+  /// Applies the last relocate() to words[N][width] by particle: they grow, and targets copy their sources.
   void follow(Buffer<std::uint32_t>& words, std::uint32_t width);
 
-  /// Moves nearly transparent particles of the frame of `keys` by strength (1/m) x covariance x normal
+  /// Moves nearly transparent particles visible in the frame of `keys` by strength (1/m) x covariance x normal
   /// numbers.
   void jitter(ParticleBuffers& particles,
               const Buffer<std::uint32_t>& keys,
@@ -85,21 +83,21 @@ class DensifyStage {
               const RandomKey& key);
 
  private:
-  /// Dead particles and the error of all: what there is to draw, and from what.
+  /// Number of dead particles, and total error.
   struct Census {
     Chunks chunks;
     std::uint32_t dead = 0;
     double error = 0.0;
   };
   Census census(const ParticleBuffers& particles, const RealBuffer& accumulated);
-  /// Targets and the sources drawn for them; false when errors are so uneven that none is worth a share.
+  /// Draws targets and sources; false when errors are so uneven that no particle gets a share.
   bool draw(const ParticleBuffers& particles,
             const RealBuffer& accumulated,
             const Census& census,
             std::uint32_t growth,
             const RandomKey& key);
   void grow(ParticleBuffers& particles, std::span<RealBuffer* const> moments, std::uint32_t growth);
-  /// The drawn sources' parameters into their targets; `before`: particles before growth.
+  /// Copies the sources' parameters to their targets; `before`: particles before growth.
   void copy(ParticleBuffers& particles, std::span<RealBuffer* const> moments, std::uint32_t before);
   void widen(
       RealBuffer& rows, std::uint32_t count, std::uint32_t stride, std::uint32_t new_stride, bool params);
@@ -108,8 +106,8 @@ class DensifyStage {
   Precision precision_;
   ScanStage scan_;
   DensifyBuffers buffers_;
-  std::uint32_t changed_ = 0;    // targets of the last relocate()
-  std::uint32_t particles_ = 0;  // after it
+  std::uint32_t changed_ = 0;  // targets of the last relocate()
+  std::uint32_t particles_ = 0;  // after the last relocate()
   Kernel pixel_error_, beam_error_, accumulate_, weigh_, list_, draw_, copy_, clear_, copy_words_, widen_,
       jitter_;
 };

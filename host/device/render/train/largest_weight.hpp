@@ -5,11 +5,11 @@
 
 namespace simuli {
 
-/// Behind blending: which particles a frame could do without.
+/// Finds particles that a frame does not need, after blending.
 class LargestWeightStage {
  public:
   LargestWeightStage(const Device& device, const Variant& variant);
-  /// Raises largest[N] (bits of floats) to the largest weight of each particle in a ray of the frame.
+  /// Raises largest[N] (float bits) to each particle's largest weight in a ray of the frame.
   void run(const shared::FrameParams& frame,
            const RayBuffers& rays,
            const FrameBuffers& made,

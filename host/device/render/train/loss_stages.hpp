@@ -1,5 +1,5 @@
 #pragma once
-// Behind a frame: losses of what was rendered, which leave grad_out for the backward pass.
+// Loss stages after rendering, which write grad_out for the backward pass.
 #include <optional>
 #include <vector>
 
@@ -9,7 +9,7 @@
 
 namespace simuli {
 
-/// What SSIM keeps of one channel at a time, of a picture in tiles.
+/// Sizes of the SSIM buffers of one channel of a picture.
 struct SsimSizes {
   std::uint64_t tiles_x = 0;
   std::uint64_t tiles_y = 0;
@@ -32,26 +32,26 @@ struct SsimBuffers : BufferTable<SsimSizes> {
   Reals sums{*this, "ssim_sums", [](const SsimSizes& s) { return 3 * s.strips; }};
 };
 
-/// Structural similarity: 1 - SSIM over 11 x 11 Gaussian windows, of known pixels alone.
+/// Structural similarity: 1 - SSIM over 11 x 11 Gaussian windows of known pixels.
 class SsimStage {
  public:
-  /// `lanes` as EnvironmentStage.
+  /// `lanes` as in EnvironmentStage.
   SsimStage(const Device& device, Precision precision, int lanes = 0);
-  /// picture, truth [3][S] -> sum of 1 - SSIM over known pixels and channels; adds `scale` times its gradient
-  /// to grad_picture[3][S].
+  /// Returns the sum of 1 - SSIM of picture, truth [3][S] over known pixels and channels; adds `scale` times
+  /// its gradient to grad_picture[3][S].
   double run(const shared::FrameParams& frame,
              const RealBuffer& world_ray,
              const RealBuffer& picture,
              const RealBuffer& truth,
              double scale,
              RealBuffer& grad_picture);
-  /// What pictures of these tiles are sized by.
+  /// Returns the sizes for pictures with these tiles.
   [[nodiscard]] static SsimSizes sizes(std::uint32_t tiles_x, std::uint32_t tiles_y, int lanes);
 
  private:
   void clear_margins(const shared::FrameParams& frame);
   int lanes_;
-  shared::FrameParams sized_{};  // what the planes' margins were cleared for
+  shared::FrameParams sized_{};  // frame whose plane margins are zeroed
   SsimBuffers buffers_;
   Kernel planes_, moments_, windows_, slope_rows_, gradient_;
 };
@@ -70,14 +70,14 @@ struct LidarLossBuffers : BufferTable<LossSizes> {
   static constexpr std::uint64_t kSums = 4 + RayDrop::kParameters;
 };
 
-/// Work-items that share a tile: `asked`, or, when 0, as suits the device. Tests run the GPU's way on CPUs.
+/// Work-items per tile: `asked`, or 0: chosen for the device. Tests run the GPU configuration on CPUs.
 [[nodiscard]] std::size_t loss_work_items(const Device& device, std::size_t asked);
 
 class ImageLossStage {
  public:
-  /// `work_items` as loss_work_items().
+  /// `work_items` as in loss_work_items().
   ImageLossStage(const Device& device, Precision precision, std::size_t work_items = 0);
-  /// out, as rendered, and picture[3][S] (out itself, or what was made of it) -> grad_out. truth[3][S]. Waits.
+  /// out, as rendered, and picture[3][S] (out itself or the corrected picture) -> grad_out. truth[3][S]. Waits.
   ImageLoss run(const shared::FrameParams& frame,
                 const WorldRays& world_rays,
                 const RealBuffer& rendered,
@@ -89,14 +89,14 @@ class ImageLossStage {
  private:
   Device device_;
   ImageLossBuffers buffers_;
-  std::optional<SsimStage> ssim_;  // once asked for
+  std::optional<SsimStage> ssim_;  // made on demand
   std::size_t work_items_;
   Kernel loss_image_;
 };
 
 class LidarLossStage {
  public:
-  /// `work_items` as loss_work_items().
+  /// `work_items` as in loss_work_items().
   LidarLossStage(const Device& device, Precision precision, std::size_t work_items = 0);
   /// out -> grad_out. truth[2][S]: range, intensity. Waits.
   LidarLoss run(const shared::FrameParams& frame,
@@ -113,7 +113,7 @@ class LidarLossStage {
   Kernel loss_lidar_;
 };
 
-/// parts[n][columns] added up, in their order. Waits.
+/// Sums parts[n][columns] in order. Waits.
 [[nodiscard]] std::vector<double> column_sums(const RealBuffer& parts, std::size_t columns);
 
 }  // namespace simuli

@@ -5,13 +5,13 @@
 
 namespace simuli {
 
-/// What a recorded picture shows of the surfaces of a view beside it.
+/// Colours an off-trajectory view of surfaces from a recorded picture.
 class OffTrajectoryStage {
  public:
   OffTrajectoryStage(const Device& device, const Variant& variant);
-  /// `made`: the view beside, rendered of the same surfaces by the same rays as `recorded`, whose picture is
-  /// picture[3][slots], negative: not known. shown[3][slots]: the colour of what each ray meets, or of all
-  /// that it could meet, -1 where the picture does not tell.
+  /// `made`: the off-trajectory rendering of the same surfaces with the same rays as `recorded`, whose picture
+  /// is picture[3][slots] (negative: unknown). shown[3][slots]: the colour of each ray's surface, or of all its
+  /// possible surfaces; -1 where unknown.
   void run(const shared::FrameParams& frame,
            const RayGrid& grid,
            const Buffer<std::int32_t>& slot_of_ray,

@@ -5,7 +5,7 @@
 
 namespace simuli {
 
-/// A camera's frame of surfaces as it was rendered: from where, and how far away they are.
+/// A camera's rendering of surfaces: its poses and the surface distances.
 struct SeenSurfaces {
   SeenSurfaces(const Device& device, Precision precision)
       : sensor(device, "sensor of a recorded view", precision),

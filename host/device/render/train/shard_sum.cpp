@@ -65,7 +65,7 @@ void ShardSum::add(std::size_t shard,
                    double share) {
   const std::size_t rows = rows_ - (errors_ ? 1 : 0);
   need_count("gradients of a shard", grads.count(), rows * stride_);
-  // The second half of a pair needs no place of its own: it is rounded before it is added.
+  // The second half of a pair needs no buffer of its own: it is rounded before it is added.
   const bool is_second =
       !nodes_.empty() && nodes_.back().size == 1 && shard % 2 == 1 && nodes_.back().first + 1 == shard;
   const std::size_t place = is_second ? nodes_.back().place : free_place();
@@ -145,7 +145,7 @@ void ShardSum::add_all(std::span<const float> from, double share, RealBuffer& su
                      {"sum", sum}});
 }
 
-/// A sum that shows nothing.
+/// Returns an empty sum from the pool.
 std::size_t ShardSum::free_place() {
   if (free_.empty()) {
     free_.push_back(pool_.size());
@@ -170,7 +170,7 @@ void ShardSum::push(const Node& node) {
   }
 }
 
-/// The last two become one: either is added to the other, as a + b = b + a.
+/// Joins the last two nodes; the order of addition does not matter, because a + b = b + a.
 void ShardSum::join_last() {
   const Node right = nodes_.back();
   nodes_.pop_back();

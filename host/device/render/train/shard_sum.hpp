@@ -1,5 +1,6 @@
 #pragma once
-// Sums of the gradients of several frames, by one tree whoever has computed them (METHOD section 10).
+// Sums gradients of several frames by a fixed tree, independent of the rank that computed them (METHOD section
+// 10).
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -11,14 +12,14 @@
 
 namespace simuli {
 
-/// What the sums of shards are sized by.
+/// Sizes of shard sums.
 struct ShardSizes {
   std::uint64_t particles = 0;  // N
   std::uint64_t stride = 0;
-  std::uint64_t rows = 0;  // of a set's parameters, and one of errors
-  bool packs = false;      // sums go to other ranks
+  std::uint64_t rows = 0;  // of a set's parameters, plus one of errors
+  bool packs = false;  // sums are sent to other ranks
 };
-/// One sum: of what its keys show.
+/// A sum over the particles with valid keys.
 struct ShardNodeBuffers : BufferTable<ShardSizes> {
   using BufferTable::BufferTable;
   Reals sum{*this, "shard_sums", [](const ShardSizes& s) { return s.rows * s.stride; }};
@@ -31,61 +32,61 @@ struct ShardBuffers : BufferTable<ShardSizes> {
   Reals packed{*this, "shard_packed", [](const ShardSizes& s) { return s.packs ? s.rows * s.stride : 0; }};
 };
 
-/// The sum of a step's gradients over its shards. It is that of a binary tree: shards [first, first + size),
-/// size a power of two and first a multiple of it, are a node, the sum of its halves; nodes that nothing
-/// completes are added from the last one on. A node that one rank has all shards of can go to others as a
-/// whole, and the bits of the total are the same however the shards are shared. start(), add() each own shard
-/// in its order, then total() with what others have.
+/// The sum of a step's gradients over its shards as a binary tree: a node covers shards [first, first + size),
+/// with size a power of two and first a multiple of it, and is the sum of its halves; incomplete nodes are
+/// added from the last one on. A node whose shards one rank owns can be sent as a whole, and the total has the
+/// same bits however shards are distributed. Call start(), add() for each own shard in order, then total() with
+/// the nodes of other ranks.
 class ShardSum {
  public:
-  /// A node for other ranks, or of another rank.
+  /// A node sent to or received from another rank.
   struct Packed {
     std::uint64_t first = 0, size = 0;       // shards
-    std::span<const std::uint32_t> columns;  // the particles that it shows, in their order
+    std::span<const std::uint32_t> columns;  // its visible particles, ascending
     std::span<const float> values;           // [rows][columns]
   };
 
   ShardSum(const Device& device, Precision precision);
 
-  /// No shard yet. With `errors` each also has a row of them.
+  /// Starts without shards. With `errors` each shard also has a row of errors.
   void start(const ParticleBuffers& particles, bool errors);
-  /// [stride] for the errors of one frame, zeros.
+  /// Returns a zeroed [stride] buffer for the errors of one frame.
   [[nodiscard]] RealBuffer& fresh_errors();
-  /// Shard `shard`, behind those before it: share times the gradients [rows][stride] of the particles whose
-  /// key is not all ones, and the errors in fresh_errors().
+  /// Adds the next shard: share times the gradients [rows][stride] of particles whose key is not all ones, and
+  /// the errors in fresh_errors().
   void add(std::size_t shard, const Buffer<std::uint32_t>& keys, const RealBuffer& grads, double share);
 
-  /// The own nodes, before total().
+  /// Number of own nodes, before total().
   [[nodiscard]] std::size_t nodes() const { return nodes_.size(); }
   [[nodiscard]] Packed shards_of(std::size_t node) const {
     return {nodes_[node].first, nodes_[node].size, {}, {}};
   }
-  /// Waits.
+  /// Returns the visible particles of a node. Waits.
   [[nodiscard]] std::vector<std::uint32_t> columns_of(std::size_t node) const;
   [[nodiscard]] std::size_t rows() const { return rows_; }
-  /// Its values of these columns, into target[rows * columns]. Waits.
+  /// Copies the values of these columns to target[rows * columns]. Waits.
   void pack(std::size_t node, std::span<const std::uint32_t> columns, std::span<float> target);
 
-  /// Joins the own nodes and `others`, in the order of shards, into sums(). Error{kInternal} for others than
-  /// make all shards from 0 on, each once.
+  /// Joins the own nodes and `others`, in the order of shards, into sums(). Throws Error{kInternal} unless they
+  /// cover all shards from 0 on once.
   void total(std::span<const Packed> others);
-  /// The mean's rows, and as a frame's keys: what any of the shards has shown.
+  /// The rows of the mean, and the keys of particles visible in any shard.
   [[nodiscard]] const RealBuffer& sums() const { return pool_[nodes_.at(0).place]->sum; }
   [[nodiscard]] const Buffer<std::uint32_t>& keys() const { return pool_[nodes_.at(0).place]->keys; }
-  /// Adds the total's errors to `sum` [N].
+  /// Adds the total errors to `sum` [N].
   void add_errors(RealBuffer& sum);
 
-  /// sum[i] += share from[i] of all, in matrices of any kind.
+  /// Computes sum[i] += share from[i] for all elements of any matrix.
   void add_all(std::span<const float> from, double share, RealBuffer& sum);
 
-  /// Sums on the device so far, and how many these are at most for a number of shards.
+  /// Number of sums on the device so far, and their maximum for a number of shards.
   [[nodiscard]] std::size_t places() const { return pool_.size(); }
   [[nodiscard]] static std::size_t most_nodes(std::size_t shards);
 
  private:
   struct Node {
     std::size_t first = 0, size = 0, place = 0;  // place: in pool_, or kElsewhere
-    const Packed* packed = nullptr;              // another rank's
+    const Packed* packed = nullptr;  // received from another rank
   };
   static constexpr std::size_t kElsewhere = static_cast<std::size_t>(-1);
 
@@ -105,7 +106,7 @@ class ShardSum {
   ShardBuffers buffers_;
   std::vector<std::unique_ptr<ShardNodeBuffers>> pool_;
   std::vector<std::size_t> free_;
-  std::vector<Node> nodes_;  // by their shards
+  std::vector<Node> nodes_;  // sorted by shards
   std::size_t rows_ = 0, stride_ = 0, particles_ = 0;
   bool errors_ = false;
   Kernel add_, pack_, add_packed_, add_row_, add_all_;
