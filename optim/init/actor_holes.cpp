@@ -1,4 +1,4 @@
-// What closes the holes that no laser fills in what pictures show of actors.
+// Fills holes in the LiDAR points of actors that pictures show.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -11,10 +11,10 @@
 namespace simuli {
 namespace {
 
-/// A box that is this much higher than all of its points was cut by the laser's highest row: its walls go on
-/// above those of the points that lie this near to the highest.
+/// A box that extends this far above all its points was cut by the LiDAR's highest row: its walls continue
+/// upwards from the points within kRim_m of the highest.
 constexpr double kCut_m = 0.5, kRim_m = 0.7;
-constexpr double kSteep = 0.1;      // cosine of the steepest look at a wall
+constexpr double kSteep = 0.1;  // smallest cosine of the incidence on a wall
 constexpr double kHoleCells = 3.0;  // of a cell over a point's voxel, at the actor's distance
 
 /// The nearest point in each cell of a picture.
@@ -40,7 +40,7 @@ class RangePicture {
   [[nodiscard]] Eigen::Vector2d middle_px(int column, int row) const {
     return (Eigen::Vector2d(column, row).array() + 0.5) * cell_px_;
   }
-  /// Empty cells with points on at least three of their four sides, at the mean range of those, near ones
+  /// Empty cells with points on at least three of their four sides, with the mean range of these, near ones
   /// first.
   struct Hole {
     int column = 0, row = 0;
@@ -49,7 +49,7 @@ class RangePicture {
   };
   [[nodiscard]] std::vector<Hole> holes() const {
     std::vector<Hole> out;
-    // Outside of the rectangle around all points a cell has them on one side at most.
+    // Outside the bounding rectangle of all points a cell has points on at most one side.
     for (int row = used_.min().y(); row <= used_.max().y(); ++row) {
       for (int column = used_.min().x(); column <= used_.max().x(); ++column) {
         if (range_m(column, row) < kNothing) continue;
@@ -71,7 +71,7 @@ class RangePicture {
     return out;
   }
 
-  /// Empty cells above the highest point of their column, with the range of that.
+  /// Empty cells above the highest point of their column, with that point's range.
   [[nodiscard]] std::vector<Hole> above() const {
     std::vector<Hole> out;
     for (int column = 0; column < columns_; ++column) {
@@ -92,22 +92,22 @@ class RangePicture {
   double cell_px_;
   int columns_, rows_;
   std::vector<double> nearest_;
-  Eigen::AlignedBox2i used_;  // cells, around all with points
+  Eigen::AlignedBox2i used_;  // cells, bounding rectangle of all points
 };
 
-/// What lies in a picture, square by square.
+/// Indices of items in a picture, by square.
 class PictureSquares {
  public:
   explicit PictureSquares(const Camera& camera)
       : columns_(camera.width / kSide_px + 1),
         rows_(camera.height / kSide_px + 1),
         squares_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {}
-  /// `pixel` lies in the picture.
+  /// `pixel` must be in the picture.
   void add(const Eigen::Vector2d& pixel, std::size_t what) {
     squares_[index(static_cast<int>(pixel.x()) / kSide_px, static_cast<int>(pixel.y()) / kSide_px)].push_back(
         what);
   }
-  /// All in the squares that meet an area, px, and so all in it.
+  /// Visits all items in the squares that intersect an area, px, which include all items in it.
   template <class Visit>
   void visit(const Eigen::AlignedBox2d& area, Visit&& visit) const {
     const auto square = [](double at_px, int count) {
@@ -137,7 +137,7 @@ void ActorPoints::add_holes(const ImageView& view,
                             double time_s,
                             const PointSet& background,
                             const PointBlocks& blocks) {
-  struct Closed {  // what would close holes in the picture of an actor
+  struct Closed {  // candidate points that fill holes of one actor
     std::size_t actor = 0;
     double cell_px = 0.0, reach_m = 0.0;
     std::vector<RangePicture::Hole> holes;
@@ -149,7 +149,7 @@ void ActorPoints::add_holes(const ImageView& view,
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     if (!actors_[i].is_there(time_s) || points_[i].size() == 0) continue;
     const Pose pose = scene_from_actor(i, time_s);
-    // The actor's points in cells wide enough that its surface leaves none empty.
+    // Projects the actor's points into cells wide enough that its surface leaves none empty.
     const double away_m = (pose.translation - eye).norm();
     const double cell_px =
         std::max(2.0, kHoleCells * options_.voxel_m / (view.pixel_size_at_1m() * std::max(away_m, 1.0)));
@@ -174,7 +174,7 @@ void ActorPoints::add_holes(const ImageView& view,
       Eigen::Vector3d origin, direction, measured;
       view.unproject(own.middle_px(hole.column, hole.row_of_range), origin, measured);
       view.unproject(own.middle_px(hole.column, hole.row), origin, direction);
-      // Walls are upright: as far away over ground as where the range was measured.
+      // Walls are vertical: the hole has the horizontal distance of the measured point.
       const double longer = measured.head<2>().norm() / std::max(direction.head<2>().norm(), kSteep);
       const double along_m = hole.row == hole.row_of_range ? hole.range_m : hole.range_m * longer;
       const Eigen::Vector3d p = pose.inverse() * Eigen::Vector3d(origin + along_m * direction);
@@ -187,8 +187,8 @@ void ActorPoints::add_holes(const ImageView& view,
     all.push_back(std::move(closed));
   }
   if (all.empty()) return;
-  // What stands before them is told by the background, each point of which is looked at once and then stands
-  // with those of its square of the picture: actors are small in it.
+  // Occluders are background points; each is tested once, within its square of the picture, because actors are
+  // small in it.
   const PointSet near = background.subset(blocks.seen_from(view, farthest_m));
   const std::vector<SeenPoint> before = seen_points(view, near);
   std::vector<double> away_m(before.size());

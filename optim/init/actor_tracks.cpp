@@ -25,16 +25,16 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr std::array<double, 12> kVoxel_m{0.8, 0.8, 0.8, 0.5, 0.5, 0.5, 0.3, 0.3, 0.3, 0.3, 0.3, 0.3};
-constexpr std::size_t kLeast = 6;     // returns of a voxel that make a surface
-constexpr double kSigma_m = 0.03;     // of a return about it
+constexpr std::size_t kLeast = 6;  // returns of a voxel with a surface
+constexpr double kSigma_m = 0.03;  // of a return from the surface
 constexpr double kCauchy = 3.0;       // standard deviations
-constexpr double kReturnsOfKey = 50;  // no key pose hears more than as many would say: neighbours err alike
-constexpr std::size_t kReturnsOfPart = 1024;  // whose sums one core takes
+constexpr double kReturnsOfKey = 50;  // weight limit of a key pose, in returns: errors of neighbouring returns are correlated
+constexpr std::size_t kReturnsOfPart = 1024;  // returns summed by one core
 
 /// The normal distribution of the returns in a voxel.
 struct Surface {
   Vector3d mean = Vector3d::Zero();
-  Matrix3d squares = Matrix3d::Zero();  // sum of outer products, then the inverse covariance
+  Matrix3d squares = Matrix3d::Zero();  // sum of outer products, later the inverse covariance
   std::size_t count = 0;
 };
 
@@ -49,7 +49,7 @@ Vector3d rotation_vector(const Eigen::Quaterniond& q) {
   return turn.angle() * turn.axis();
 }
 
-/// Normal equations of 6 unknowns per key pose: (shift, turn), world axes.
+/// Normal equations with 6 unknowns per key pose: (shift, turn), world axes.
 class Equations {
  public:
   explicit Equations(std::size_t keys)
@@ -79,13 +79,13 @@ class Equations {
   Eigen::VectorXd gradient_;
 };
 
-/// What the returns between two key poses add to the blocks of these.
+/// Contributions of the returns between two key poses to the blocks of these poses.
 struct KeySums {
   std::array<Matrix6, 3> square{Matrix6::Zero(), Matrix6::Zero(), Matrix6::Zero()};  // first, both, second
   std::array<Vector6, 2> gradient{Vector6::Zero(), Vector6::Zero()};
 };
 
-/// Labels and accelerations as believed.
+/// Adds the priors of labels and accelerations.
 void add_prior(const Actor& actor, const TrackPrior& prior, Equations& equations) {
   Vector6 label, bend;
   label << Vector3d::Constant(1.0 / prior.label_m), Vector3d::Constant(1.0 / prior.label_rad);
@@ -123,7 +123,7 @@ void add_prior(const Actor& actor, const TrackPrior& prior, Equations& equations
 }  // namespace
 
 Matrix3d surface_information(const Matrix3d& covariance, double sigma_m, double voxel_m) {
-  constexpr double kFilled = 0.2;  // of the voxel's side; a uniform spread has 0.29
+  constexpr double kFilled = 0.2;  // deviation relative to the voxel's side; a uniform distribution has 0.29
   const Eigen::SelfAdjointEigenSolver<Matrix3d> axes(covariance);
   Vector3d information;
   for (Eigen::Index k = 0; k < 3; ++k) {
@@ -184,7 +184,7 @@ void register_track(Actor& actor, const std::vector<ActorReturn>& returns, const
       const double heard_here = (1.0 - share) * heard[key] + share * heard[key + 1];
       const double weight =
           std::min(1.0, kReturnsOfKey / heard_here) / (1.0 + off.dot(pulled) / (kCauchy * kCauchy));
-      // p_actor = R^T (p - c); a turn w about c takes R to (1 + [w]) R.
+      // p_actor = R^T (p - c); a rotation w about c changes R to (1 + [w]) R.
       const Matrix3d actor_from_world = world_from_actor[i].rotation.conjugate().toRotationMatrix();
       Matrix36 slope;
       slope << -actor_from_world,
@@ -198,7 +198,7 @@ void register_track(Actor& actor, const std::vector<ActorReturn>& returns, const
       sums.gradient[0] += (1.0 - share) * gradient;
       sums.gradient[1] += share * gradient;
     };
-    // Sums of parts of one size, in their order: the same for any number of cores.
+    // Sums parts of one size in order, so that the result does not depend on the number of cores.
     const std::size_t parts = (returns.size() + kReturnsOfPart - 1) / kReturnsOfPart;
     std::vector<std::map<std::size_t, KeySums>> of_parts(parts);
     parallel_each(

@@ -17,30 +17,30 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kOffVehicle_m = 1.5;    // from the sensor: not the vehicle itself
-constexpr double kStep_m = 0.25;         // along a ray, on the way to the ground
-constexpr double kDown = 0.02;           // of a ray's direction: how far down it looks at least
-constexpr double kAboveGround_m = 0.3;   // along a ray: what is nearer to the ground may be the ground
-constexpr double kBeforeReturn_m = 0.2;  // a thick surface is no way through itself
+constexpr double kOffVehicle_m = 1.5;  // distance from the sensor that excludes the ego vehicle
+constexpr double kStep_m = 0.25;  // step along a ray towards the ground
+constexpr double kDown = 0.02;  // smallest downward component of a ray's direction
+constexpr double kAboveGround_m = 0.3;  // along a ray: nearer to the ground may be the ground itself
+constexpr double kBeforeReturn_m = 0.2;  // a thick surface does not contradict itself
 
 using Key = std::uint64_t;
 using Cell = Eigen::Array<std::int64_t, 3, 1>;
 
-/// Of the 2^21 along each axis around the origin.
+/// Half of the 2^21 cells along each axis.
 constexpr std::int64_t kMiddle = std::int64_t{1} << 20U;
 
-/// Cut off above 0, which is rounding down without the call that floor() is.
+/// Rounds down by truncation of values above 0, which avoids calls of floor().
 Cell cell_of(const Eigen::Vector3d& p, double cells_per_m) {
   return (p.array() * cells_per_m + static_cast<double>(kMiddle)).cast<std::int64_t>() - kMiddle;
 }
 
-/// 21 bits an axis.
+/// Packs 21 bits per axis.
 Key key_of(const Cell& cell) {
   const auto bits = [](std::int64_t at) { return static_cast<Key>(at + kMiddle) & 0x1fffffU; };
   return bits(cell.x()) << 42U | bits(cell.y()) << 21U | bits(cell.z());
 }
 
-/// How far it is from p along d out of its cell of `side_m`.
+/// Distance in m from p along d to the border of its cell of `side_m`.
 double way_out_m(const Eigen::Vector3d& p, const Eigen::Vector3d& d, double side_m) {
   double out_m = std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < 3; ++k) {
@@ -51,8 +51,8 @@ double way_out_m(const Eigen::Vector3d& p, const Eigen::Vector3d& d, double side
   return out_m;
 }
 
-/// Calls visit(ray, origin, direction, range_m) in the scene for all rays of a sweep but those in blind arcs, on
-/// all cores.
+/// Calls visit(ray, origin, direction, range_m) in the scene frame for all rays of a sweep outside blind arcs,
+/// on all cores.
 template <class Visit>
 void each_ray(const PosedSweep& posed, const Visit& visit) {
   const Sweep& sweep = posed.sweep;
@@ -65,7 +65,7 @@ void each_ray(const PosedSweep& posed, const Visit& visit) {
 
 }  // namespace
 
-/// Votes of voxels, in cubes of them: rays go through many of one after the other, and most of space has none.
+/// Votes of voxels in cubic blocks: a ray passes many voxels of a block, and most of space has no block.
 struct DarkStill::Votes {
   static constexpr std::int64_t kBits = 3, kSide = std::int64_t{1} << kBits;  // voxels
   using Block = std::array<DarkVotes, std::size_t{1} << (3 * kBits)>;
@@ -81,11 +81,11 @@ struct DarkStill::Votes {
     return (low(voxel.z()) << (2 * kBits)) | (low(voxel.y()) << kBits) | low(voxel.x());
   }
 
-  /// Calls visit(votes, place) for the voxels along a way, in order, until it returns false. block(key): a
-  /// block's votes, or null where it is passed over.
+  /// Calls visit(votes, place) for the voxels along a segment, in order, until it returns false. block(key):
+  /// votes of a block, or null to skip it.
   template <class BlockOf, class Visit>
   void walk(const Way& way, const BlockOf& block, const Visit& visit) const {
-    const double step_m = 0.5 * voxel_m;  // what is only grazed may be missed, and nothing counts twice
+    const double step_m = 0.5 * voxel_m;  // may miss grazed voxels; no voxel counts twice
     const double voxels_per_m = 1.0 / voxel_m;
     constexpr std::int64_t kNowhere = std::numeric_limits<std::int64_t>::max();
     Cell last = Cell::Constant(kNowhere), last_block = last;
@@ -106,7 +106,7 @@ struct DarkStill::Votes {
       if (!visit((*votes)[place_in_block(voxel)], p)) return;
     }
   }
-  /// The block there, which may be none yet.
+  /// Returns the block, or null.
   [[nodiscard]] Block* found(Key key) const {
     const auto at = blocks.find(key);
     return at == blocks.end() ? nullptr : at->second.get();
@@ -125,7 +125,7 @@ DarkStill::~DarkStill() = default;
 
 void DarkStill::add_dropped(const PosedSweep& posed, const std::vector<MovingBox>& boxes) {
   const std::vector<float>& shares = posed.sweep.rays.time_fraction;
-  std::vector<Way> ways(shares.size());  // none: one without a length
+  std::vector<Way> ways(shares.size());  // empty: zero length
   each_ray(posed, [&](std::size_t ray, const Vector3d& origin, const Vector3d& direction, double range_m) {
     if (range_m > 0.0 || direction.z() > -kDown) return;
     const auto meets = [&](const MovingBox& box) {
@@ -169,7 +169,7 @@ void DarkStill::add_returned(const PosedSweep& posed) {
         way,
         [&](Key block) { return votes_->found(block); },
         [](DarkVotes& votes, const Vector3d&) {
-          // Counts are the same in any order.
+          // Counts do not depend on the order.
           std::atomic_ref(votes.through).fetch_add(1, std::memory_order_relaxed);
           return true;
         });

@@ -1,6 +1,6 @@
 #pragma once
-// Surfaces that stand still, are in rays' way and send nothing back: glass and black paint of parked cars,
-// shop windows. No return tells of them, but rays that drop although the ground would have answered them do.
+// Static surfaces that occlude but return nothing: glass and black paint of parked cars, shop windows. They
+// have no returns, but drop rays that the ground behind them would have returned.
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -11,38 +11,38 @@
 
 namespace simuli {
 
-/// Room that something on the move takes up while a sweep is taken, centred on its own frame.
+/// Space occupied by a moving object during a sweep, centred on the object's frame.
 struct MovingBox {
   Eigen::Vector3d half = Eigen::Vector3d::Zero();  // m
-  Pose scene_from_box_start;                       // as the sweep begins
+  Pose scene_from_box_start;  // at the start of the sweep
   Pose scene_from_box_end;
 };
 
-/// What the rays of all sweeps say of the space above the ground, in voxels. First the rays that drop, of all
-/// sweeps; then those that return, of all sweeps.
+/// Votes of all sweeps' rays in voxels above the ground. Add the dropped rays of all sweeps first, then the
+/// returned rays of all sweeps.
 class DarkStill {
  public:
-  /// `ground` must outlive it.
+  /// `ground` must outlive this object.
   DarkStill(const GroundMap& ground, double voxel_m);
   ~DarkStill();
 
-  /// Rays that drop, and would meet ground that is known within kGround_m. Rays in blind arcs say nothing,
-  /// nor do those that come through one of `boxes`: what drove there may have sent nothing back.
+  /// Adds dropped rays that would hit known ground within kGround_m. Ignores rays in blind arcs and rays
+  /// through any of `boxes`, which moving objects may have absorbed.
   void add_dropped(const PosedSweep& posed, const std::vector<MovingBox>& boxes = {});
-  /// Rays that return came through all that lies before it.
+  /// Adds returned rays, which passed the space in front of their return.
   void add_returned(const PosedSweep& posed);
-  /// Where rays that dropped first meet a dark voxel (DarkVotes). One point per voxel, of intensity 0.
+  /// Returns the first dark voxels (DarkVotes) along dropped rays: one point per voxel, with intensity 0.
   [[nodiscard]] PointSet points() const;
 
-  static constexpr double kGround_m = 25.0;  // nearer even asphalt answers
-  static constexpr double kHeight_m = 2.2;   // above the ground, of what is looked at
+  static constexpr double kGround_m = 25.0;  // within this distance even asphalt returns
+  static constexpr double kHeight_m = 2.2;  // largest height above the ground
 
   DarkStill(const DarkStill&) = delete;
   DarkStill& operator=(const DarkStill&) = delete;
 
  private:
   struct Votes;
-  /// Of a ray, m from its origin: from where it is low above the ground to where it would meet it.
+  /// Segment of a ray, m from its origin: from its entry into the low space above the ground to the ground.
   struct Way {
     Eigen::Vector3d origin, direction;
     double from_m = 0.0, to_m = 0.0;

@@ -14,11 +14,9 @@
 namespace simuli {
 namespace {
 
-/// Before a return there is nothing in its way, but for what a track and a thick surface are off.
+/// Space in front of a return is free, except for errors of the track and the thickness of the surface.
 constexpr double kOffSurface_m = 0.2;
-/// Sides of voxels that are asked, of actors and of what stands still. Still ones of 0.1 m: 0.951 and 0.947 of
-/// drops right 3 m beside the street's path, 0.25 cm; of 0.15 m: 0.949 and 0.944, 0.16 cm; of 0.2 m: drives
-/// 0.9317 and 0.9623 for 0.9331 and 0.9622. An actor's surface is seen by more rays: not measured.
+/// Sides of voxels for actors and for static surfaces (docs/DECISIONS.md, "LiDAR set").
 constexpr double kActorVoxel_m = 0.1, kStillVoxel_m = 0.15;
 
 Pose scene_from_actor(const Actor& actor, double time_s, const Eigen::Vector3d& scene_origin) {
@@ -51,7 +49,7 @@ std::size_t DarkSurfaces::voxel_of(const Box& box, const Eigen::Vector3d& p) con
 template <class Visit>
 void DarkSurfaces::walk(const Box& box, const Way& way, Visit&& visit) const {
   const Eigen::Vector3d from = way.from.cast<double>(), along = (way.to - way.from).cast<double>();
-  // Half a voxel at a time: what is only grazed may be missed, and nothing counts twice.
+  // Steps of half a voxel: may miss grazed voxels, and none counts twice.
   const int steps = std::max(1, static_cast<int>(std::ceil(2.0 * along.norm() / voxel_m_)));
   std::size_t last = std::numeric_limits<std::size_t>::max();
   for (int i = 0; i < steps; ++i) {
@@ -125,9 +123,9 @@ std::vector<PointSet> DarkSurfaces::points() const {
   return out;
 }
 
-/// Of the actors that are there during a sweep.
+/// Boxes of the actors present during a sweep.
 static std::vector<MovingBox> boxes_during(const Scene& scene, const SweepFrame& frame) {
-  constexpr double kWider_m = 0.2;  // to each side: tracks are off
+  constexpr double kWider_m = 0.2;  // margin on each side for errors of tracks
   std::vector<MovingBox> out;
   for (const Actor& actor : scene.actors) {
     if (!actor.is_there(frame.time_start_s) && !actor.is_there(frame.time_end_s)) continue;
@@ -138,7 +136,7 @@ static std::vector<MovingBox> boxes_during(const Scene& scene, const SweepFrame&
   return out;
 }
 
-/// Of what stands still.
+/// Returns dark points of static surfaces.
 static PointSet still_points(const Log& log,
                              const std::vector<const SweepFrame*>& sweeps,
                              const Scene& scene) {

@@ -1,6 +1,6 @@
 #pragma once
-// Surfaces of actors that are seen and send nothing back: black paint, glass. No return tells of them, but
-// rays that drop do, together with those that other rays came through.
+// Surfaces of actors that return nothing: black paint, glass. They are detected by dropped rays together with
+// rays that passed.
 #include <cstdint>
 #include <vector>
 
@@ -13,20 +13,20 @@
 
 namespace simuli {
 
-/// What the rays of all sweeps say of the boxes of actors, each cut into voxels in the actor's frame.
+/// Votes of all sweeps' rays in the boxes of actors, in voxels of the actor's frame.
 class DarkSurfaces {
  public:
-  /// `actors` as their tracks are known by then.
+  /// `actors` with their tracks as refined so far.
   DarkSurfaces(std::vector<Actor> actors, double voxel_m, const Eigen::Vector3d& scene_origin);
 
-  /// The rays of a sweep that pass a box before they return, or don't. Rays in blind arcs say nothing.
+  /// Adds the rays of a sweep that intersect a box before they return, or drop. Ignores rays in blind arcs.
   void add(const PosedSweep& posed, double time_start_s, double time_end_s);
-  /// Of each actor, in its frame: where rays that dropped first meet a dark voxel (DarkVotes). One point per
-  /// voxel, of intensity 0.
+  /// Returns for each actor, in its frame, the first dark voxels (DarkVotes) along dropped rays: one point per
+  /// voxel, with intensity 0.
   [[nodiscard]] std::vector<PointSet> points() const;
 
  private:
-  /// A ray in the actor's frame, from where it enters the box to where it leaves.
+  /// Segment of a ray inside the box, in the actor's frame.
   struct Way {
     Eigen::Vector3f from, to;
   };
@@ -43,7 +43,7 @@ class DarkSurfaces {
                const Eigen::Vector3d& direction,
                double range_m);
   [[nodiscard]] std::size_t voxel_of(const Box& box, const Eigen::Vector3d& p) const;
-  /// Calls visit(voxel, place) for the voxels along a way, in order, until it returns false.
+  /// Calls visit(voxel, place) for the voxels along a segment, in order, until it returns false.
   template <class Visit>
   void walk(const Box& box, const Way& way, Visit&& visit) const;
 
@@ -53,9 +53,9 @@ class DarkSurfaces {
   std::vector<Box> boxes_;
 };
 
-/// Such surfaces of what stands still (dark_still.hpp; scene frame), then of each actor of `scene` (its
-/// frame): [1 + actors] sets of points, of intensity 0. `scene` has its LiDAR set. Error{kInput} when a sweep
-/// can't be read.
+/// Returns dark points of static surfaces (dark_still.hpp; scene frame) and of each actor of `scene` (actor
+/// frame): [1 + actors] point sets with intensity 0. `scene` has its LiDAR set. Throws Error{kInput} when a
+/// sweep cannot be read.
 [[nodiscard]] std::vector<PointSet> dark_points(const Log& log,
                                                 const std::vector<const SweepFrame*>& sweeps,
                                                 const InitOptions& options,

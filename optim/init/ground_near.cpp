@@ -13,13 +13,13 @@
 namespace simuli {
 namespace {
 
-constexpr double kReach_m = 8.0;     // to the second ring of a LiDAR on a roof
-constexpr double kApart_m = 0.5;     // between places of the rig
-constexpr double kOnGround_m = 0.3;  // to either side of it
+constexpr double kReach_m = 8.0;  // about the second ring of a LiDAR on a roof
+constexpr double kApart_m = 0.5;  // between rig positions
+constexpr double kOnGround_m = 0.3;  // height tolerance of ground points
 
 using Square = std::array<int, 2>;
 
-/// Height of the rig above the ground, in the median along its path.
+/// Median height of the rig above the ground along its path.
 std::optional<double> clearance_m(const GroundMap& ground, const std::vector<Pose>& scene_from_rig) {
   std::vector<double> all;
   for (const Pose& pose : scene_from_rig) {
@@ -42,7 +42,7 @@ PointSet ground_near(const GroundMap& ground,
   const auto square_of = [side_m](double x, double y) {
     return Square{static_cast<int>(std::floor(x / side_m)), static_cast<int>(std::floor(y / side_m))};
   };
-  // Of each square the ground by the nearest place of the rig.
+  // Ground height of each square, from the nearest rig position.
   struct Near {
     double distance_m = kReach_m, z_m = 0.0;
   };

@@ -1,6 +1,6 @@
 #pragma once
-// Ground that cameras see and lasers don't reach: below their lowest beams as the drive begins, and between the
-// rings that they leave on it.
+// Ground that cameras see and LiDARs do not reach: below their lowest beams at the start of the drive, and
+// between the rings of returns.
 #include <vector>
 
 #include "host/core/base/pose.hpp"
@@ -9,9 +9,9 @@
 
 namespace simuli {
 
-/// A point for each square of 2 voxel_m within 8 m of the rig that holds none of `points` near the ground: as
-/// high as `ground` where that is known, else on the plane on which the rig stands. `scene_from_rig`: along the
-/// path; `points`: of the background, scene frame. None where the ground is nowhere known below the rig.
+/// Returns a point for each square of side 2 voxel_m within 8 m of the rig that contains none of `points` near
+/// the ground, at the height of `ground` where known, else on the plane under the rig. `scene_from_rig`: along
+/// the path; `points`: background, scene frame. Empty where no ground is known under the rig.
 [[nodiscard]] PointSet ground_near(const GroundMap& ground,
                                    const std::vector<Pose>& scene_from_rig,
                                    const PointSet& points,

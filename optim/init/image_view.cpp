@@ -20,8 +20,8 @@ Pose ImageView::scene_from_camera(const Eigen::Vector2d& pixel) const {
 }
 
 bool ImageView::project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const {
-  // Motion during the read-out shifts a point by far less than a quarter of the picture; further out it cannot
-  // come back into it. The fixed point contracts by (shift / height) per look: three are plenty.
+  // Motion during the read-out shifts a point by far less than a quarter of the picture; points farther outside
+  // cannot enter it. Each iteration contracts by (shift / height): three are sufficient.
   constexpr OwnTimeObservations kLooks{.most = 3, .settled_px = 0.01, .margin = 0.25};
   Eigen::Vector3d p_camera;
   const auto at = [&](double share) -> const Eigen::Vector3d& {

@@ -1,5 +1,5 @@
 #pragma once
-// What the first guess of a scene is told, and what it says of itself.
+// Options and report of the initialisation.
 #include <cstddef>
 
 #include "host/core/base/allowed.hpp"
@@ -9,13 +9,13 @@ namespace simuli {
 struct InitOptions {
   double voxel_m = 0.1;
   int camera_sh_degree = 2;
-  int lidar_sh_degree = 1;  // intensities and drops vary little with the direction
+  int lidar_sh_degree = 1;  // intensities and drops depend little on direction
   std::size_t max_camera = 1'000'000;
   std::size_t max_lidar = 1'000'000;
   std::size_t max_shell = 100'000;  // particles of the far shell; a sphere of kShellSpacing_deg has 165 000
   double off_path_m = 3.0;
   int environment_width = 64;
-  double shell_distance_m = 0.0;  // from the scene's origin; 0: follows from the farthest point
+  double shell_distance_m = 0.0;  // from the scene's origin; 0: chosen from the farthest point
   double max_scale_m = 0.5;       // standard deviation of a particle
   bool sweep_depth = true;
   bool walls = true;           // see initialize_walls.hpp
@@ -23,12 +23,12 @@ struct InitOptions {
   bool drop_moving = true;     // see initialize_moving.hpp
   bool actors = true;
   double actor_min_travel_m = 1.0;
-  double actor_margin_m = 0.1;  // the road below stays outside
+  double actor_margin_m = 0.1;  // excludes the road below
   bool register_tracks = true;  // see actor_tracks.hpp
   bool dark_surfaces = true;    // see dark_surfaces.hpp
 };
 
-/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
+/// The setting keys with allowed values and help (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(InitOptions& o, F&& field) {
   field.group("Start");
@@ -92,7 +92,7 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
   field.internal(o.drop_moving);
 }
 
-/// What the initialisation did, so that nothing is dropped without a number.
+/// Counts of the initialisation, including everything that it left out.
 struct InitReport {
   std::size_t sweeps = 0;         // read
   std::size_t images = 0;         // read
@@ -100,24 +100,24 @@ struct InitReport {
   std::size_t voxels = 0;         // occupied
   std::size_t actor_points = 0;   // voxels of actors
   std::size_t dark_points = 0;    // voxels of surfaces that return nothing
-  std::size_t moving_points = 0;  // voxels left out of both sets, because they moved
-  std::size_t unseen_points = 0;  // voxels that no image sees, nor would off the path: not in the camera set
-  std::size_t joined_points = 0;  // voxels that no picture shows apart from others
-  std::size_t depth_points = 0;   // of pictures where no laser reached, voxels
-  std::size_t wall_points = 0;    // on walls above the laser's reach
-  std::size_t ground_points = 0;  // on the ground around the rig that no laser reached
-  std::size_t unmet_points = 0;   // on walls above the laser's reach, for LiDARs that look higher
-  std::size_t lidar_cells = 0;    // voxels of the background's LiDAR set, grown where that costs nothing
-  std::size_t lidar_thinned = 0;  // of those, left out to keep to max_lidar
+  std::size_t moving_points = 0;  // voxels of moving objects, left out of both sets
+  std::size_t unseen_points = 0;  // voxels invisible in all images, also off the trajectory: not in the camera set
+  std::size_t joined_points = 0;  // voxels that no picture resolves
+  std::size_t depth_points = 0;  // voxels from multi-view depth where no LiDAR reached
+  std::size_t wall_points = 0;  // on walls above the LiDARs' field of view
+  std::size_t ground_points = 0;  // on the ground around the rig outside the LiDARs' field of view
+  std::size_t unmet_points = 0;  // on walls above the field of view, for LiDARs with a higher one
+  std::size_t lidar_cells = 0;  // cells of the background's LiDAR set, merged where possible without loss
+  std::size_t lidar_thinned = 0;  // of these, left out to keep max_lidar
   std::size_t camera_thinned = 0;
   std::size_t lidar_particles = 0;
-  std::size_t camera_particles = 0;  // with the shell
-  std::size_t filled_particles = 0;  // of the camera set, that no image sees
+  std::size_t camera_particles = 0;  // including the far shell
+  std::size_t filled_particles = 0;  // of the camera set, invisible in all images
   std::size_t shell_particles = 0;
   double shell_distance_m = 0.0;
   double seconds = 0.0;
 
-  /// Of two parts of a drive together; what both read counts twice.
+  /// Adds the report of another part of a drive; data read by both parts count twice.
   InitReport& operator+=(const InitReport& other);
 };
 

@@ -33,9 +33,9 @@
 namespace simuli {
 namespace {
 
-constexpr double kInfinitelyFar_m = 1e9;  // a drive moves no direction there
+constexpr double kInfinitelyFar_m = 1e9;  // distance at which the drive does not change directions
 
-/// Returns in an actor's box go to the actor, all others to the grid.
+/// Adds returns inside an actor's box to the actor, all others to the grid.
 void add_points(
     const PosedSweep& posed, double time_start_s, double time_end_s, VoxelGrid& grid, ActorPoints& actors) {
   const Sweep& sweep = posed.sweep;
@@ -46,7 +46,7 @@ void add_points(
       std::minmax_element(sweep.rays.time_fraction.begin(), sweep.rays.time_fraction.end());
   const std::vector<ActorPoints::ActorBall> places = actors.places(time_of(*first), time_of(*last));
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
-    if (sweep.range[i] == 0.0F) continue;  // fired, nothing came back
+    if (sweep.range[i] == 0.0F) continue;  // fired without return
     const double azimuth = sweep.rays.azimuth[i];
     const Pose scene_from_lidar =
         interpolate(posed.scene_from_lidar_start, posed.scene_from_lidar_end, sweep.rays.time_fraction[i]);
@@ -69,7 +69,7 @@ PointSet keep_static(const PointSet& points, const std::vector<bool>& moved) {
   return points.subset(kept);
 }
 
-/// Keeps the points at `indices`, with their looks.
+/// Keeps the points at `indices` and their observations.
 void keep(PointSet& points, std::vector<PointObservation>& looks, const std::vector<std::uint32_t>& indices) {
   std::vector<PointObservation> kept_observations;
   kept_observations.reserve(indices.size());
@@ -89,7 +89,7 @@ std::size_t keep_seen(PointSet& points, std::vector<PointObservation>& looks) {
   return unseen;
 }
 
-/// Thins to `limit` points. Returns the number of those left out.
+/// Thins to `limit` points. Returns the number of dropped points.
 std::size_t keep_some(PointSet& points,
                       std::vector<PointObservation>& looks,
                       std::size_t limit,
@@ -99,7 +99,7 @@ std::size_t keep_some(PointSet& points,
   return count - points.size();
 }
 
-/// Adds the log's own points, one per voxel, for the camera set. Returns how many there were.
+/// Adds the log's own points, one per voxel, for the camera set. Returns their number.
 std::size_t add_log_points(const Log& log, const Eigen::Vector3d& origin, double voxel_m, PointSet& points) {
   VoxelGrid grid(voxel_m);
   for (const Eigen::Vector3d& p : read_points_ply(log.folder / log.points)) grid.add(p - origin, 0.0);
@@ -115,17 +115,17 @@ double farthest_m(const PointSet& points, const Trajectory& trajectory, const Ei
   return farthest;
 }
 
-/// Degrees between particles of the far shell, seen from the scene's origin: some pixels of a camera. Not
-/// measured.
+/// Angular spacing in degrees of the far shell's particles, seen from the scene's origin: some pixels of a
+/// camera.
 constexpr double kShellSpacing_deg = 0.5;
-/// Share of the pictures of a direction that must show something there that no laser reached for the shell to
-/// stand there: most of them.
+/// Smallest share of a direction's pictures that must see an object beyond the LiDARs' reach for a shell
+/// particle.
 constexpr double kShellOpenShare = 0.5;
 
-/// Pictures that must show sky where a point stands for it to go: one may err.
+/// Pictures that must show sky at a point to remove it; one may be wrong.
 constexpr int kLeastAgainst = 2;
 
-/// One initialisation, step by step: what the steps share.
+/// State of one initialisation.
 class Initialisation {
  public:
   Initialisation(const Log& log,
@@ -177,7 +177,7 @@ class Initialisation {
   std::size_t keep_seen_ground();
   void place_camera_set();
 
-  /// A file has been read.
+  /// Counts a file as read.
   void step() {
     ++files_;
     tell();
@@ -200,14 +200,14 @@ class Initialisation {
   Scene& scene_ = out_.scene;
   InitReport& report_ = out_.report;
   std::optional<ActorPoints> actors_;
-  PointSet points_;               // of the background, one per voxel
-  std::vector<PointObservation> looks_;  // at points_, then at the actors' points
+  PointSet points_;  // background, one per voxel
+  std::vector<PointObservation> looks_;  // at points_, followed by the actors' points
   std::vector<ImageView> views_;  // [images_]
   std::optional<FarShell> shell_, sky_;
-  std::size_t ground_begin_ = 0, ground_end_ = 0;  // of points_: that no laser reached
+  std::size_t ground_begin_ = 0, ground_end_ = 0;  // ground points that no LiDAR reached, range in points_
 };
 
-/// Returns become one point per voxel, those in actors' boxes points of the actors.
+/// Averages returns to one point per voxel; returns inside actors' boxes become points of the actors.
 void Initialisation::read_returns() {
   VoxelGrid grid(options_.voxel_m);
   expect(log_, sweeps_);
@@ -230,7 +230,7 @@ void Initialisation::drop_moving() {
   const PointBlocks blocks(points_);
   for (const SweepFrame* frame : sweeps_) {
     const PosedSweep s = load_sweep(log_, *frame, scene_.origin);
-    // A list has no neighbouring rays to look through: it has no word on what moved.
+    // A ray list has no known neighbours, which the motion test needs.
     if (const auto* const lidar = std::get_if<Lidar>(&s.lidar)) {
       vote_on_points(
           s.sweep, *lidar, s.scene_from_lidar_start, s.scene_from_lidar_end, points_, votes, &blocks);
@@ -262,7 +262,7 @@ void Initialisation::place_lidar_set() {
   report_.lidar_thinned = cells.size() - kept.size();
 }
 
-/// What sends nothing back stands in rays' way, and pictures show it.
+/// Adds surfaces without returns, which pictures show.
 void Initialisation::place_dark_surfaces() {
   const std::vector<PointSet> dark = dark_points(log_, sweeps_, options_, scene_);
   for (std::size_t owner = 0; owner < dark.size(); ++owner) {
@@ -274,7 +274,7 @@ void Initialisation::place_dark_surfaces() {
   points_.append(dark[0]);
 }
 
-/// The ground around the rig that no laser reached, for the camera set.
+/// Adds ground around the rig that no LiDAR reached to the camera set.
 void Initialisation::add_ground() {
   ground_begin_ = ground_end_ = points_.size();
   if (scene_.lidar.size() == 0) return;
@@ -287,8 +287,8 @@ void Initialisation::add_ground() {
   ground_end_ = points_.size();
 }
 
-/// Points for the camera set alone: the log's own, those in the holes that no laser fills, and those whose
-/// depth only pictures tell.
+/// Adds points for the camera set only: the log's own points, points in LiDAR holes, and points with depth from
+/// pictures only.
 void Initialisation::add_points_of_pictures() {
   if (!log_.points.empty()) report_.points += add_log_points(log_, scene_.origin, options_.voxel_m, points_);
   const PointBlocks blocks(points_);
@@ -303,7 +303,7 @@ void Initialisation::add_points_of_pictures() {
         log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, *actors_, sky};
     report_.depth_points = depths.add_to(points_, [this] { step(); });
   }
-  // Behind the depths, which know better where pictures tell it: 33.4 for 33.1 dB on the street.
+  // After multi-view depth, which is more accurate where it exists.
   if (options_.walls) {
     const WallsAbove walls{log_, images_, scene_.origin, frames_.image_scale, options_.voxel_m, *actors_};
     report_.wall_points = walls.add_to(points_, [this] { step(); });
@@ -322,8 +322,7 @@ SkyMasks Initialisation::find_sky() const {
   return out;
 }
 
-/// Of what no laser reached, that which stands where pictures show sky: 393 of 3702 points of drive 0052 (quarter
-/// size), of whose pixels of sky 85 % are 100 m and farther without them, 69 % with them.
+/// Removes points beyond the LiDARs' reach where pictures show sky (docs/DECISIONS.md, "Sky and environment").
 void Initialisation::drop_before_sky(const SkyMasks& sky) {
   std::vector<int> against(points_.size());
   for (const auto& [frame, mask] : sky) {
@@ -343,7 +342,7 @@ void Initialisation::drop_before_sky(const SkyMasks& sky) {
   points_ = points_.subset(kept);
 }
 
-/// What pictures show of the points, and beside them.
+/// Collects the pictures' colours of all points and directions.
 void Initialisation::take_colours() {
   const double extent_m = farthest_m(points_, log_.world_from_rig, scene_.origin);
   shell_.emplace(kShellSpacing_deg,
@@ -356,7 +355,7 @@ void Initialisation::take_colours() {
   for (const ImageFrame* frame : images_) {
     const auto [image, view] = load_view(log_, *frame, scene_.origin, frames_.image_scale);
     views_.push_back(view);
-    // Two samples per shell cell and axis, so that no cell between two samples stays empty.
+    // Two samples per shell cell and axis, so that no cell between samples stays empty.
     const double finest_rad = std::min(shell_->spacing_rad(), sky_->spacing_rad());
     const double sample_px = 0.5 * finest_rad / view.pixel_size_at_1m();
     const int cell_px = std::max(1, static_cast<int>(sample_px));
@@ -379,7 +378,7 @@ void Initialisation::take_colours() {
   report_.images = images_.size();
 }
 
-/// Of the ground that no laser reached only what pictures show is known to be there. Returns how much it is.
+/// Keeps, of the ground that no LiDAR reached, only points that pictures show. Returns their number.
 std::size_t Initialisation::keep_seen_ground() {
   std::vector<std::uint32_t> kept;
   std::size_t ground = 0;

@@ -1,6 +1,6 @@
 #pragma once
-// First guess of a scene from a log: LiDAR returns become particles, images give them colour, and what no
-// laser reaches (sky, far buildings) becomes a far shell. METHOD section 12.
+// Initialisation of a scene from a log: LiDAR returns become particles, images give them colours, and objects
+// beyond the LiDARs' reach (sky, far buildings) become a far shell. METHOD section 12.
 #include <cstddef>
 #include <functional>
 
@@ -13,19 +13,19 @@ namespace simuli {
 
 struct SceneInit {
   Scene scene;
-  GaussianSet unmet;  // of the LiDAR set, for when it has been trained: no ray meets it, so none keeps it
+  GaussianSet unmet;  // LiDAR particles added after training, because no training ray hits or supports them
   InitReport report;
 };
 
-/// m, of the far shell of what lies so far from the scene's origin: three times as much, 200 at least.
+/// Returns the far shell's distance in m: three times the farthest point's, at least 200.
 [[nodiscard]] double shell_distance_m(double farthest_m);
 
-/// Reads the training sweeps and images of `log` that `frames` selects, one at a time, and builds both
-/// particle sets of the static background and of the actors (sweeps are read twice to drop what moved). The
-/// camera set is made for pictures of that size. The same log and options give the same bits. The scene's
-/// origin is the mean position of the trajectory in whole metres. `progress(done, total)` is called first and after
-/// each file. Throws Error{kUsage} for options outside their range, Error{kInput} when no frame is left for
-/// training or a file can't be read.
+/// Reads the training sweeps and images of `log` selected by `frames`, one at a time, and makes both particle
+/// sets of the static background and of the actors (sweeps are read twice to remove moving objects). The camera
+/// set suits pictures of that size. The same log and options give the same bits. The scene's origin is the mean
+/// position of the trajectory in whole metres. Calls progress(done, total) first and after each file. Throws
+/// Error{kUsage} for options outside their range, Error{kInput} when no training frame is left or a file cannot
+/// be read.
 [[nodiscard]] SceneInit initialize_scene(const Log& log,
                                          const FrameSelection& frames,
                                          const InitOptions& options,

@@ -16,13 +16,13 @@
 namespace simuli {
 namespace {
 
-/// Where the ground around is not known, the lowest part of a box is left to it.
+/// Where the ground is unknown, the lowest part of a box counts as road.
 constexpr double kRoad_m = 0.1;
-constexpr double kGround_m = 0.05;   // ground is what lies this near to that around ...
-constexpr double kLow_m = 0.3;       // ... and below this part of a box
-constexpr double kHoleVoxels = 2.0;  // side of a voxel of holes over that of points
+constexpr double kGround_m = 0.05;  // height tolerance of ground points ...
+constexpr double kLow_m = 0.3;  // ... in this lowest part of a box
+constexpr double kHoleVoxels = 2.0;  // voxel side of hole points relative to the actor's points
 
-/// How high the ground is, as the background's points tell.
+/// Ground height from background points.
 class Ground {
  public:
   explicit Ground(const PointSet& points) {
@@ -31,7 +31,8 @@ class Ground {
       heights_m_[cell_of(p.cast<double>())].push_back(p.z());
     }
   }
-  /// Lower quartile of what lies within kReach_m of `near_m` in the cells around p; none: too few points.
+  /// Lower quartile of points within kReach_m of height `near_m` in the cells around p; no value with too few
+  /// points.
   [[nodiscard]] std::optional<double> height_m(const Eigen::Vector3d& p, double near_m) const {
     std::vector<float> found;
     const Cell middle = cell_of(p);
@@ -59,8 +60,7 @@ class Ground {
   std::map<Cell, std::vector<float>> heights_m_;
 };
 
-/// Whether what lies in a ball can stand before a point, seen from an eye: few operations, and never a wrong
-/// no.
+/// Conservative test whether objects in a ball can occlude a point from an eye, with few operations.
 class BallBefore {
  public:
   BallBefore(const Eigen::Vector3d& centre, double radius_m, const Eigen::Vector3d& eye)
@@ -71,14 +71,14 @@ class BallBefore {
   [[nodiscard]] bool may_hide(const Eigen::Vector3f& point) const {
     const Eigen::Vector3f way = point - eye_;
     const float along = way.dot(centre_), way2 = way.squaredNorm();
-    // The distance of the centre from the way, at its nearest: at one of the ends, or between them.
+    // Distance of the ball's centre to the segment, whose nearest point is an end or in between.
     if (along <= 0.0F) return !(centre2_ > radius_ * radius_);
     if (along >= way2) return !((way - centre_).squaredNorm() > radius_ * radius_);
     return !((centre2_ - radius_ * radius_) * way2 > along * along * (1.0F + kSlack));
   }
 
  private:
-  static constexpr float kSlack_m = 0.05F, kSlack = 1e-4F;  // far above what floats lose
+  static constexpr float kSlack_m = 0.05F, kSlack = 1e-4F;  // far above float rounding
   Eigen::Vector3f eye_, centre_;
   float centre2_, radius_;
 };
@@ -107,7 +107,7 @@ Pose ActorPoints::scene_from_actor(std::size_t actor, double time_s) const {
 }
 
 std::vector<ActorPoints::ActorBall> ActorPoints::places(double first_s, double last_s) const {
-  constexpr double kSlack_m = 1e-3;  // far above what doubles lose
+  constexpr double kSlack_m = 1e-3;  // far above double rounding
   std::vector<ActorBall> out;
   for (std::size_t i = 0; i < actors_.size(); ++i) {
     const std::vector<KeyPose>& track = actors_[i].track;
@@ -115,7 +115,7 @@ std::vector<ActorPoints::ActorBall> ActorPoints::places(double first_s, double l
     const double from_s = std::max(first_s, track.front().time_s - Actor::kReach_s);
     const double to_s = std::min(last_s, track.back().time_s + Actor::kReach_s);
     if (from_s > to_s) continue;
-    // Between key poses positions are on a line.
+    // Positions are linear between key poses.
     Eigen::AlignedBox3d way;
     way.extend(scene_from_actor(i, from_s).translation).extend(scene_from_actor(i, to_s).translation);
     for (const KeyPose& key : track) {
@@ -210,7 +210,7 @@ PointSet ActorPoints::placed(const PointSet& background, double time_s, const Im
     if (!actors_[i].is_there(time_s)) continue;
     const Eigen::Vector3d half = half_m(i);
     const Pose scene_from_actor_then = scene_from_actor(i, time_s);
-    // The way to what the picture shows stays in its cone.
+    // The ray to a visible point stays in the view cone.
     if (!cone.may_meet(scene_from_actor_then.translation, half.norm())) continue;
     const Pose actor_from_scene = scene_from_actor_then.inverse();
     all_before.push_back({BallBefore(scene_from_actor_then.translation, half.norm(), eye),

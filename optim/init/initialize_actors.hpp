@@ -1,6 +1,6 @@
 #pragma once
-// The actors' share of the initialisation: returns inside a box become points of its actor, in the actor's
-// frame, and pictures look at them where they were when the picture was taken.
+// Initialisation of actors: returns inside a box become points of its actor in the actor's frame, and pictures
+// observe them at their poses at the picture's time.
 #include <cstdint>
 #include <vector>
 
@@ -10,17 +10,17 @@
 
 namespace simuli {
 
-/// The actors of `all` that get particles of their own: those that travel at least min_travel_m. What stands
-/// still is modelled better without the noise of its labels.
+/// Returns the actors of `all` that get particles of their own: those that travel at least min_travel_m. A
+/// static background represents parked objects better than noisy labels.
 [[nodiscard]] std::vector<Actor> moving_actors(const std::vector<Actor>& all, double min_travel_m);
 
-/// Half the background's: what drives by is looked at from nearer than what a street ends with. Not measured.
+/// Half of the background's voxel: passing vehicles are observed from nearer than most of a street.
 inline constexpr double kActorPointVoxel_m = 0.05;
 
 struct ActorPointOptions {
   double voxel_m = kActorPointVoxel_m;
-  double margin_m = 0.1;         // labels are not exact: boxes reach this much farther
-  bool register_tracks = false;  // lets the returns say where the actors were (actor_tracks.hpp)
+  double margin_m = 0.1;  // margin added to boxes for inexact labels
+  bool register_tracks = false;  // corrects tracks by the returns (actor_tracks.hpp)
 };
 
 /// The points of all actors.
@@ -30,26 +30,26 @@ class ActorPoints {
               const ActorPointOptions& options,
               const Eigen::Vector3d& scene_origin);
 
-  /// A ball, scene frame, outside of which no return of a while is an actor's.
+  /// A ball in the scene frame that contains all returns of an actor during an interval.
   struct ActorBall {
     std::size_t actor = 0;
     Eigen::Vector3d middle;
     double radius_m = 0.0;
   };
-  /// Of the actors that are there at any time from first_s to last_s, in their order.
+  /// Returns the balls of the actors present at any time from first_s to last_s, in order.
   [[nodiscard]] std::vector<ActorBall> places(double first_s, double last_s) const;
-  /// Takes a return at time_s, a time of the places', if it is in a box or below its lower rim; false: it is
-  /// of the background.
+  /// Adds a return at time_s, within the interval of `places`, if it is in a box or below its lower edge;
+  /// returns false for background.
   bool add(const Eigen::Vector3d& p_scene,
            double time_s,
            double intensity,
            const std::vector<ActorBall>& places);
-  /// Ends adding: the points of each actor, in its frame. What a box takes near the ground, as the points
-  /// around tell it, goes to `background` instead: a wheel stands on the road.
+  /// Finishes adding and computes the points of each actor in its frame. Points in a box near the ground, as
+  /// determined from surrounding points, move to `background`, because wheels touch the road.
   void finish(VoxelGrid& background);
-  /// Closes the holes that no laser fills (glass) in what a picture shows of the actors: points as far away
-  /// as those around, for the camera set alone. `blocks`: of the background. finish_holes() after the last
-  /// picture.
+  /// Fills holes without returns (glass) in a picture's view of the actors by points at the range of the
+  /// surrounding points, for the camera set only. `blocks`: of the background. Call finish_holes() after the
+  /// last picture.
   void add_holes(const ImageView& view, double time_s, const PointSet& background, const PointBlocks& blocks);
   void finish_holes();
 
@@ -59,13 +59,13 @@ class ActorPoints {
   [[nodiscard]] const std::vector<PointSet>& camera_points() const { return camera_points_; }
   [[nodiscard]] std::size_t count() const;         // of points()
   [[nodiscard]] std::size_t camera_count() const;  // of camera_points()
-  /// `background` and behind it all actors' camera points (those of actors[0] first) as they stand in the
-  /// scene at time_s. What the view would show behind a box is where no picture sees it, and so are points of
-  /// actors that are not there.
+  /// Returns `background` followed by all actors' camera points (those of actors[0] first) at their scene
+  /// positions at time_s. Points of actors that are absent, or whose box the view sees from behind, are moved
+  /// out of sight of all pictures.
   [[nodiscard]] PointSet placed(const PointSet& background, double time_s, const ImageView& view) const;
-  /// Marks the cells that look at a box: what they show is no background.
+  /// Marks cells that see a box, which do not show background.
   void cover(const ImageView& view, double time_s, Coverage& coverage) const;
-  /// Looks behind those of `background_count` points, parted by actor.
+  /// Splits the observations after those of `background_count` points by actor.
   [[nodiscard]] std::vector<std::vector<PointObservation>> split(const std::vector<PointObservation>& looks,
                                                           std::size_t background_count) const;
 

@@ -11,11 +11,11 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kReach = 8;   // pictures before and after
-constexpr double kApart_m = 0.5;    // between two of them, or
-constexpr double kApart_rad = 0.1;  // turned by that: others tell little more
+constexpr std::size_t kReach = 8;  // pictures before and after
+constexpr double kApart_m = 0.5;  // smallest distance between two of them, or
+constexpr double kApart_rad = 0.1;  // smallest rotation; closer pictures add little information
 
-/// Those that are apart from the one before them.
+/// Selects frames that are apart from their predecessor.
 std::vector<const ImageFrame*> apart(const Log& log,
                                      const LogCamera& camera,
                                      const std::vector<const ImageFrame*>& images) {

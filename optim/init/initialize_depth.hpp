@@ -1,7 +1,6 @@
 #pragma once
-// Depth of what pictures see and no laser reaches (tree tops, upper floors): a plane sweep over pictures
-// taken before and after, so far apart that they tell of it: ahead of a camera that drives on, things hardly
-// move.
+// Depth of objects that pictures show and no LiDAR reaches (tree tops, upper floors): a plane sweep over
+// pictures before and after with sufficient parallax; ahead of a moving camera parallax is small.
 #include <Eigen/Core>
 #include <cstddef>
 #include <functional>
@@ -14,18 +13,18 @@
 
 namespace simuli {
 
-/// Points where only pictures tell the depth, of all cameras of a log.
+/// Points with depth from pictures only, for all cameras of a log.
 struct PictureDepths {
   const Log& log;
-  const std::vector<const ImageFrame*>& images;  // that may be read
-  const Eigen::Vector3d& origin;                 // of the scene
+  const std::vector<const ImageFrame*>& images;  // readable training images
+  const Eigen::Vector3d& origin;  // origin of the scene
   double image_scale;
-  double voxel_m;  // side of the points' voxels; one point is added per voxel of twice the side
+  double voxel_m;  // of the points; one point is added per voxel of twice the side
   const ActorPoints& actors;
-  const SkyMasks& sky;  // of all of them
+  const SkyMasks& sky;  // of all images
 
-  /// Adds to `points` what the pictures of each camera show where no point is, and returns how many it added.
-  /// `step` is called after each picture.
+  /// Adds points to `points` where the pictures of a camera show none, and returns their number. Calls `step`
+  /// after each picture.
   std::size_t add_to(PointSet& points, const std::function<void()>& step) const;
 };
 

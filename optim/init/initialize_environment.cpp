@@ -15,7 +15,7 @@ class Level {
  public:
   int width = 0;
   int height = 0;
-  std::vector<Eigen::Vector4f> sum;  // [height][width] colours and their number
+  std::vector<Eigen::Vector4f> sum;  // [height][width] colours and their count
 
   Level(int w, int h)
       : width(w),
@@ -38,8 +38,8 @@ Level halved(Level& fine) {
   return coarse;
 }
 
-/// Gives cells without a colour the mean of their row, and rows without any that of the nearest row that has
-/// one: sky goes on upwards and all around, ground downwards.
+/// Fills cells without colour with the mean of their row, and rows without colour with the nearest row that has
+/// one: sky continues upwards and around, ground downwards.
 void inpaint_by_rows(Level& level) {
   std::vector<Eigen::Vector4f> means;
   for (int y = 0; y < level.height; ++y) {
@@ -51,7 +51,7 @@ void inpaint_by_rows(Level& level) {
     means.push_back(sum);
   }
   for (int y = 0; y < level.height; ++y) {
-    // Above before below, of rows as far away.
+    // Prefers the row above when two are equally near.
     int nearest = y;
     for (int away = 1; means[static_cast<std::size_t>(nearest)].w() == 0.0F && away < level.height; ++away) {
       if (y - away >= 0 && means[static_cast<std::size_t>(y - away)].w() > 0.0F)
@@ -93,8 +93,8 @@ EnvironmentMap environment_of(const std::vector<FarShell::Patch>& patches, int w
                                           std::clamp(static_cast<int>(y), 0, height - 1));
     texel += Eigen::Vector4f(patch.colour.x(), patch.colour.y(), patch.colour.z(), 1.0F);
   }
-  // Small holes of a fine map close by the mean of the block around them.
-  constexpr int kCoarse = 64;  // cells around
+  // Small holes of a fine map are filled with the mean of the surrounding block.
+  constexpr int kCoarse = 64;  // largest number of cells around
   while (levels.back().width > kCoarse) levels.push_back(halved(levels.back()));
   inpaint_by_rows(levels.back());
 
@@ -102,7 +102,7 @@ EnvironmentMap environment_of(const std::vector<FarShell::Patch>& patches, int w
   map.texels.reserve(3 * levels[0].sum.size());
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      Eigen::Vector4f texel(0.5F, 0.5F, 0.5F, 1.0F);  // where no patch is at all
+      Eigen::Vector4f texel(0.5F, 0.5F, 0.5F, 1.0F);  // default without patches
       for (std::size_t k = 0; k < levels.size(); ++k) {
         const Eigen::Vector4f& sum = levels[k].at(x >> k, y >> k);
         if (sum.w() == 0.0F) continue;

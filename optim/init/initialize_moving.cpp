@@ -15,23 +15,23 @@ namespace {
 
 constexpr int kMinThrough = 3;
 constexpr float kFarthest_m = 70.0F;
-/// Beyond 40 m only points by rows that are near each other tell: the rows looked at may span 0.75 m there, as those
-/// of an HDL-64E do at 43 m and those of a Pandar64 at 86 m.
+/// Beyond 40 m only rows that are close together are conclusive: the tested rows may span 0.75 m, as those of
+/// an HDL-64E at 43 m and of a Pandar64 at 86 m.
 constexpr float kSurelyNear_m = 40.0F;
 constexpr float kSpan_m = 0.75F;
 constexpr float kNearest_m = 1.0F;
-constexpr double kSlack_m = 0.1;  // above what floats lose there
-/// A ray ends at the point when their ranges differ by no more than this, or this share of the range. 3 % hides what
-/// drives at 30 to 60 m: of six cars of PandaSet 002 there none was found, with 1 % four.
+constexpr double kSlack_m = 0.1;  // far above float rounding
+/// A ray ends at the point when their ranges differ by at most this, or this share of the range
+/// (docs/DECISIONS.md, "Actors").
 constexpr float kMargin_m = 0.5F;
 constexpr float kMarginShare = 0.01F;
-/// Rays looked at around a point: two rows above and below, two columns to either side. A road seen at a
-/// grazing angle ends the rows below, so its points are never looked through.
+/// Neighbourhood of rays tested around a point: two rows above and below, two columns to either side. On a road
+/// at grazing incidence the rows below return earlier, so its points are never seen through.
 constexpr int kRowReach = 2;
 constexpr int kColumnReach = 2;
-constexpr int kPoses = 64;  // over the sweep; the sensor moves by a few centimetres from one to the next
+constexpr int kPoses = 64;  // sensor poses per sweep; the sensor moves a few centimetres between them
 
-/// The firing grid of one sweep, addressed by where a point lies in the sensor's frame.
+/// Rays of one sweep, addressed by position in the sensor's frame.
 class RayGrid {
  public:
   explicit RayGrid(const Lidar& lidar)
@@ -53,7 +53,7 @@ class RayGrid {
   [[nodiscard]] float spread(int row, int other) const {
     return std::abs(slope_[static_cast<std::size_t>(row)] - slope_[static_cast<std::size_t>(other)]);
   }
-  /// Column nearest to an azimuth; columns() or more outside of a partial turn.
+  /// Column nearest to an azimuth; >= columns() outside of a partial revolution.
   [[nodiscard]] int column(float azimuth, int row) const {
     constexpr auto kTurn = static_cast<float>(2.0 * std::numbers::pi);
     float angle = sign_ * (azimuth - offset_[static_cast<std::size_t>(row)] - first_);
@@ -62,7 +62,7 @@ class RayGrid {
     const bool is_full_turn = step_ * static_cast<float>(columns_) > kTurn - step_;
     return is_full_turn ? column % columns_ : column;
   }
-  /// First row that passes below height z at the distance rho from the axis; 0 or rows(): not between two.
+  /// First row that passes below height z at distance rho from the axis; 0 or rows(): not between two rows.
   [[nodiscard]] int row_below(float rho, float z) const {
     int low = 0;
     int high = rows();
@@ -92,7 +92,7 @@ using Transform = Eigen::Matrix<float, 3, 4>;
 
 Eigen::Vector3f apply(const Transform& t, const Eigen::Vector3f& p) { return t.leftCols<3>() * p + t.col(3); }
 
-/// One sweep's word on the point p_lidar near (row_below, column).
+/// Vote of one sweep on the point p_lidar near (row_below, column).
 void vote(const Sweep& sweep,
           const RayGrid& grid,
           const Eigen::Vector3f& p_lidar,
@@ -164,7 +164,7 @@ void vote_on_points(const Sweep& sweep,
     Eigen::Vector3f p_lidar = apply(lidar_from_scene[kPoses / 2], p_scene);
     const float range_m = p_lidar.norm();
     if (!(range_m > kNearest_m && range_m < kFarthest_m)) return;
-    // Where the beam is when it looks at the point depends on when it does, and the other way round.
+    // The beam's position and the time at which it passes the point depend on each other.
     int column = 0;
     for (int round = 0; round < 2; ++round) {
       column = std::min(grid.column(std::atan2(p_lidar.y(), p_lidar.x()), 0), grid.columns() - 1);

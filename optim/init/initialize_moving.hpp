@@ -1,5 +1,5 @@
 #pragma once
-// What moved through the log: points at which other sweeps look through thin air.
+// Detection of moving objects: points that other sweeps see through.
 #include <cstdint>
 #include <vector>
 
@@ -12,16 +12,16 @@ namespace simuli {
 
 class PointBlocks;
 
-/// What the sweeps say about one point.
+/// Votes of the sweeps on one point.
 struct PointVotes {
-  std::uint16_t through = 0;  // sweeps whose rays around the point all went on beyond it
-  std::uint16_t there = 0;    // sweeps that met something at its distance
+  std::uint16_t through = 0;  // sweeps whose rays around the point all passed beyond it
+  std::uint16_t there = 0;  // sweeps that hit something at its distance
 };
 
-/// Lets one sweep vote on every point within 40 m of the sensor, or 70 m where its rows are near each other. Poses
-/// take the sensor's frame to the scene's at the start and the end of the sweep. A sweep abstains where fewer than half
-/// of the rays around a point returned, and where the point is nearer than what those rays met, but not clearly. votes:
-/// [points]; `blocks`: of the points, so that only those near the sensor are looked at; the votes are the same.
+/// Adds one sweep's vote on every point within 40 m of the sensor, or 70 m with closely spaced rows. Poses map
+/// the sensor's frame to the scene at the start and end of the sweep. A sweep abstains where fewer than half of
+/// the rays around a point returned, and where the point is nearer than these returns by too little. votes:
+/// [points]; `blocks`: of the points, limits the test to near ones without changing votes.
 void vote_on_points(const Sweep& sweep,
                     const Lidar& lidar,
                     const Pose& scene_from_lidar_start,
@@ -30,8 +30,8 @@ void vote_on_points(const Sweep& sweep,
                     std::vector<PointVotes>& votes,
                     const PointBlocks* blocks = nullptr);
 
-/// True for a point that at least three sweeps look through, and more than there are sweeps that met it: it
-/// was on something that drove away, or came later.
+/// Returns true for a point that at least three sweeps see through, and more than hit it: it was on an object
+/// that left or came later.
 [[nodiscard]] bool is_moving(const PointVotes& votes);
 
 }  // namespace simuli

@@ -10,19 +10,19 @@
 namespace simuli {
 namespace {
 
-constexpr float kOpacityLogit = 0.0F;  // 0.5: the first steps can move it either way
-/// Hit and drop logits of +-1.5: softmax says 0.95 hit, and the gradient is not yet flat.
+constexpr float kOpacityLogit = 0.0F;  // 0.5: the first steps can change it either way
+/// Hit and drop logits of +-1.5: a hit probability of 0.95 with a useful gradient.
 constexpr float kHitLogit = 1.5F;
-constexpr float kUntaughtOpacityLogit = 2.0F;  // 0.88: no distance ever pulls it up
-constexpr float kUnseenOpacityLogit = 2.0F;    // 0.88, of nothing else in a camera set
-constexpr float kFlat = 0.5F;                  // thickness over width, at most
-/// Standard deviation of a camera particle over the distance to its neighbours. Street: 0.4 32.70 dB, 0.5
-/// 32.70, 0.6 32.67; drive 0052: 0.35 26.16 dB, 0.5 26.17.
+constexpr float kUntaughtOpacityLogit = 2.0F;  // 0.88: no distance loss will raise it
+constexpr float kUnseenOpacityLogit = 2.0F;  // 0.88, for particles without another particle at their place
+constexpr float kFlat = 0.5F;  // largest ratio of thickness to width
+/// Standard deviation of a camera particle relative to the distance to its neighbours (docs/DECISIONS.md,
+/// "Initialisation").
 constexpr double kCameraScale = 0.5;
-constexpr double kFlatRatio = 0.2;  // thickness of a particle on a plane over its width
+constexpr double kFlatRatio = 0.2;  // ratio of thickness to width of a planar particle
 constexpr double kThinnest_m = 0.01;
 constexpr double kShellFlatRatio = 0.1;
-constexpr double kShellScale = 0.8;         // standard deviation over the spacing of its cells
+constexpr double kShellScale = 0.8;  // standard deviation relative to the spacing of its cells
 constexpr float kShellOpacityLogit = 3.0F;  // 0.95
 
 void set_shape(GaussianSet& set,
@@ -37,8 +37,8 @@ void set_shape(GaussianSet& set,
   set.opacity_logit()(row) = kOpacityLogit;
 }
 
-/// A particle on point `i`, flat on planes: `per_spacing` times the distance to its neighbours, which counts
-/// as `width_m` at least.
+/// Sets a particle on point `i`, flat on planes: `per_spacing` times the distance to its neighbours, at least
+/// `width_m`.
 void set_on_point(GaussianSet& set,
                   const PointSet& points,
                   std::size_t i,
@@ -75,7 +75,7 @@ GaussianSet lidar_set(const PointSet& points,
   return set;
 }
 
-/// Opaque LiDAR particles on points, of which rays return, or not.
+/// Makes opaque LiDAR particles on points whose rays return, or drop.
 static GaussianSet opaque_set(const PointSet& points, bool returns, const InitOptions& options) {
   GaussianSet set(SetKind::kLidar, options.lidar_sh_degree, static_cast<Eigen::Index>(points.size()));
   const std::vector<LocalShape> shapes = local_shapes(points);
@@ -143,10 +143,9 @@ GaussianSet shell_set(const FarShell& shell,
                       const InitOptions& options) {
   GaussianSet set(SetKind::kCamera, options.camera_sh_degree, static_cast<Eigen::Index>(kept.size()));
   if (kept.empty()) return set;
-  // Fewer patches than cells: each covers the area of those that were left out.
+  // Fewer patches than cells: each patch also covers cells that were left out.
   const double widened = std::sqrt(static_cast<double>(patches.size()) / static_cast<double>(kept.size()));
-  // Wide and opaque: nothing is behind the shell, and gaps in it would show wherever no picture was trained
-  // on.
+  // Wide and opaque: there is nothing behind the shell, and gaps would show in views without training pictures.
   const double scale_m = kShellScale * widened * shell.spacing_rad() * shell.distance_m();
   for (std::size_t row = 0; row < kept.size(); ++row) {
     const FarShell::Patch& patch = patches[kept[row]];

@@ -1,5 +1,5 @@
 #pragma once
-// Particles from points: the last step of the initialisation.
+// Conversion of points to particles, the last step of the initialisation.
 #include <cstdint>
 #include <vector>
 
@@ -12,38 +12,39 @@
 
 namespace simuli {
 
-/// A LiDAR particle on each of `cells`, which are cells of `points`, returns averaged in voxels of voxel_m.
+/// Makes a LiDAR particle on each of `cells` of `points`, which average returns in voxels of voxel_m.
 [[nodiscard]] GaussianSet lidar_set(const PointSet& points,
                                     const std::vector<SurfaceCell>& cells,
                                     double voxel_m,
                                     const InitOptions& options);
 
-/// The same of what gives no light back: rays that meet it drop.
+/// Makes LiDAR particles of dark surfaces: rays that hit them drop.
 [[nodiscard]] GaussianSet dark_set(const PointSet& points, const InitOptions& options);
 
-/// The same of what no ray has met: opaque from the start, since none teaches it.
+/// Makes LiDAR particles that no training ray hits: opaque from the start, because they are not trained.
 [[nodiscard]] GaussianSet unmet_set(const PointSet& points, const InitOptions& options);
 
-/// A camera particle on every point, coloured by `looks`.
+/// Makes a camera particle on every point, coloured by `looks`.
 [[nodiscard]] GaussianSet camera_set(const PointSet& points,
                                      const std::vector<PointObservation>& looks,
                                      const InitOptions& options);
 
-/// One on each of the cells at the indices `kept`: opaque from the start, since no picture teaches it.
+/// Makes particles on the cells at the indices `kept`: opaque from the start, because no picture trains them.
 [[nodiscard]] GaussianSet unseen_set(const UnseenSurfaces& surfaces,
                                      const std::vector<std::uint32_t>& kept,
                                      const InitOptions& options);
 
-/// Of a camera set as it was started those of unseen_set() that are flat: no leaves, which show through one another.
+/// Returns the particles of unseen_set() in an initial camera set that are flat; leaves, which show through one
+/// another, are not.
 [[nodiscard]] std::vector<Eigen::Index> unseen_walls(const GaussianSet& start);
 
-/// The shell's `patches` at the indices `kept` as camera particles.
+/// Makes camera particles of the shell's `patches` at the indices `kept`.
 [[nodiscard]] GaussianSet shell_set(const FarShell& shell,
                                     const std::vector<FarShell::Patch>& patches,
                                     const std::vector<std::uint32_t>& kept,
                                     const InitOptions& options);
 
-/// Puts `others` of the same kind and SH degree behind `to`, as particles of `actor` (GaussianSet::actor).
+/// Appends `others` of the same kind and SH degree to `to`, as particles of `actor` (GaussianSet::actor).
 void append(GaussianSet& to, const GaussianSet& others, std::uint32_t actor);
 
 }  // namespace simuli

@@ -11,21 +11,21 @@ namespace simuli {
 namespace {
 
 constexpr std::size_t kNeighbours = 64;
-// What makes points as unlike as so many metres between them: a quarter turn of their surface, all of the
-// intensity there is, a metre of height.
+// Weights of dissimilarity, in equivalent metres of distance: a surface rotated by 90 degrees, full intensity
+// difference, and per metre of height.
 constexpr float kTurned_m = 5.0F, kBrighter_m = 30.0F, kHigher = 4.0F;
-constexpr float kBlur_m = 0.5F;  // what is nearer does not count for more
-// Who may lend a colour. What a picture shows between two rows of returns past a parked car's rear is the
-// road's to the laser, and red: of points that few pictures show, or each otherwise, too many carry another's
-// colour.
+constexpr float kBlur_m = 0.5F;  // smaller distances do not increase the weight
+// Points that may lend a colour: many pictures, consistent colours. Between two rows of returns at the rear of
+// a parked car a picture can assign the car's colour to the road; points in few or inconsistent pictures often
+// have the colour of another surface.
 constexpr std::uint32_t kWitnesses = 3;
-constexpr float kAlike = 0.25F;  // of [0,1], how much a channel may differ between pictures
-// Cells finer than the LiDAR set's, as borders between colours are seen and borders between distances are
-// not; their particles wider, as none learns to close a gap.
+constexpr float kAlike = 0.25F;  // largest difference of a channel between pictures, of [0, 1]
+// Finer cells than the LiDAR set's, because borders between colours are visible; wider particles, because no
+// training closes gaps.
 constexpr double kFlatSide_m = 0.2;
-constexpr double kCellScale = 0.7;  // standard deviation over the distance to the next one
+constexpr double kCellScale = 0.7;  // standard deviation relative to the spacing
 
-/// Views far enough apart that one between two of them would show little else.
+/// Selects views at least `least_m` apart.
 std::vector<const ImageView*> apart(const std::vector<ImageView>& views, double least_m) {
   std::vector<const ImageView*> some;
   for (const ImageView& view : views) {
@@ -37,17 +37,17 @@ std::vector<const ImageView*> apart(const std::vector<ImageView>& views, double 
   return some;
 }
 
-/// Where a camera would be that is off_path_m to either side, or above; or where it was.
+/// Camera positions moved by off_path_m to either side and upwards, and the original one.
 std::array<Eigen::Vector3d, 4> moves_of(const ImageView& view, double off_path_m) {
   const Camera& camera = view.camera();
   Eigen::Vector3d origin, forward;
   view.unproject({0.5 * camera.width, 0.5 * camera.height}, origin, forward);
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d left = up.cross(forward).normalized();  // zero of a camera that looks straight down
+  const Eigen::Vector3d left = up.cross(forward).normalized();  // zero for a camera that looks straight down
   return {Eigen::Vector3d::Zero(), off_path_m * left, -off_path_m * left, off_path_m * up};
 }
 
-/// Whether one of the views would have a point in its picture, from where it is or was moved to.
+/// Tests whether any view, at its position or moved, has a point in its picture.
 class MovedViews {
  public:
   MovedViews(const std::vector<ImageView>& views, double off_path_m) : some_(apart(views, 0.5 * off_path_m)) {
@@ -69,8 +69,7 @@ class MovedViews {
   std::vector<std::array<Eigen::Vector3d, 4>> moves_;
 };
 
-/// Where something lies, how it reflects and how it faces, such that the distance of two tells how unlike
-/// they are, m.
+/// Feature vector of position, intensity and normal, whose distances measure dissimilarity in m.
 constexpr int kLikeness = 10;
 using Likeness = Eigen::Matrix<float, 1, kLikeness>;
 using Likenesses = Eigen::Matrix<float, Eigen::Dynamic, kLikeness, Eigen::RowMajor>;
@@ -80,7 +79,7 @@ Likeness likeness(const Eigen::Vector3f& p,
                   float intensity,
                   bool planar,
                   const Eigen::Quaternionf& scene_from_local) {
-  // A normal's sign says nothing: its products with itself. What is no plane faces all ways alike.
+  // A normal's sign is arbitrary, so its outer product is used. Non-planar points have an isotropic one.
   Eigen::Matrix3f facing = Eigen::Matrix3f::Identity() / 3.0F;
   if (planar) {
     const Eigen::Vector3f n = scene_from_local * Eigen::Vector3f::UnitZ();
@@ -94,7 +93,7 @@ Likeness likeness(const Eigen::Vector3f& p,
   return out;
 }
 
-/// The points that may lend their colour: `seen`, but for those that are hardly seen, unless all are.
+/// Returns the points that may lend their colour: `seen` without points in few pictures, unless all are.
 std::vector<std::uint32_t> lenders_of(const std::vector<std::uint32_t>& seen,
                                       const std::vector<PointObservation>& looks,
                                       std::size_t views) {
@@ -107,7 +106,7 @@ std::vector<std::uint32_t> lenders_of(const std::vector<std::uint32_t>& seen,
   return out.empty() ? seen : out;
 }
 
-/// The mean colour of what is most alike.
+/// Returns the mean colour of the most similar points.
 Eigen::Vector3f colour_alike(const Likeness& query,
                              const LikenessTree& tree,
                              const std::vector<Eigen::Vector3f>& colours) {

@@ -1,6 +1,6 @@
 #pragma once
-// What the laser met and no picture shows: the far side of what stood before it, and what lies just outside
-// the pictures. It comes into sight when a camera leaves the recorded path.
+// Surfaces hit by LiDAR that no picture shows: occluded parts, and surfaces just outside the pictures. They
+// become visible off the trajectory.
 #include <Eigen/Core>
 #include <cstddef>
 #include <vector>
@@ -13,18 +13,18 @@
 
 namespace simuli {
 
-/// The surfaces of points without a look that one of the views would have in its picture were it up to
-/// options.off_path_m to either side, or above. No picture will ever repair them: they are made closed, as the
-/// LiDAR set's are.
+/// Surfaces of points without observation that a view would show if it were moved by up to options.off_path_m
+/// to either side or upwards. No picture trains them, so they are made closed like those of the LiDAR set.
 struct UnseenSurfaces {
   std::vector<SurfaceCell> cells;
-  std::vector<SurfaceShape> shapes;      // [cells]
+  std::vector<SurfaceShape> shapes;  // [cells]
   std::vector<Eigen::Vector3f> colours;  // [cells], of what pictures show nearby that faces, reflects and
                                          // lies high alike
-  std::size_t points = 0;                // that the cells stand for
+  std::size_t points = 0;  // points that the cells represent
 };
 
-/// `looks`: [points], by the pictures of `views`. Nothing when no point has a look, or off_path_m is 0.
+/// `looks`: [points], observations in the pictures of `views`. Empty when no point is observed, or off_path_m
+/// is 0.
 [[nodiscard]] UnseenSurfaces unseen_surfaces(const PointSet& points,
                                              const std::vector<PointObservation>& looks,
                                              const std::vector<ImageView>& views,

@@ -112,7 +112,7 @@ PointBlocks::PointBlocks(const PointSet& points) : order_(points.size()) {
 
 template <class F>
 std::vector<std::uint32_t> PointBlocks::points_of(F&& is_taken) const {
-  constexpr double kSlack_m = 0.01;  // far above what floats lose
+  constexpr double kSlack_m = 0.01;  // far above float rounding
   std::vector<std::uint8_t> taken(order_.size(), 0);
   std::size_t count = 0;
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -188,7 +188,7 @@ Coverage look_at_points(const ImageView& view,
   coverage.covered.assign(
       static_cast<std::size_t>(coverage.columns) * static_cast<std::size_t>(coverage.rows), 0);
 
-  // First the nearest range per small cell, each point as wide as it is in the picture ...
+  // First pass: nearest range per small cell, with each point's width in the picture ...
   NearestPoints nearest(camera);
   const std::vector<SeenPoint> seen = seen_points(view, points);
   for (const SeenPoint& s : seen) {
@@ -196,7 +196,7 @@ Coverage look_at_points(const ImageView& view,
     coverage.cover(s.pixel, radius_px);
     nearest.add(s.pixel, s.range_m, radius_px);
   }
-  // ... then the colour of every point that nothing nearer hides.
+  // ... second pass: colours of points that no nearer point occludes.
   parallel_each(seen.size(), [&](std::size_t i) {
     const SeenPoint& s = seen[i];
     PointObservation& look = looks[s.index];
@@ -275,7 +275,7 @@ FarShell::FarShell(double spacing_deg, double distance_m)
   if (!(distance_m > 0.0 && std::isfinite(distance_m))) {
     throw Error(ErrorKind::kUsage, fmt::format("shell distance: found {} m, allowed above 0", distance_m));
   }
-  // Near the poles there are fewer.
+  // Rings near the poles have fewer cells.
   for (double ring = 0.0; ring * spacing_rad_ <= std::numbers::pi; ring += 1.0) {
     const double elevation = (ring + 0.5) * spacing_rad_ - std::numbers::pi / 2.0;
     const double width = 2.0 * std::numbers::pi * std::max(std::cos(elevation), 0.0);
@@ -290,7 +290,7 @@ std::vector<FarObservation> far_observations(const ImageView& view, const Image&
       count,
       [&](std::size_t i) {
         const auto row = static_cast<int>(i / columns), column = static_cast<int>(i % columns);
-        // The last row and column of cells may be cut off by the picture's edge.
+        // The picture's edge may cut off the last row and column of cells.
         const Eigen::Vector2d pixel{std::min((column + 0.5) * coverage.cell_px, image.width - 0.5),
                                     std::min((row + 0.5) * coverage.cell_px, image.height - 0.5)};
         FarObservation look;
@@ -320,7 +320,7 @@ void FarShell::add(const std::vector<FarObservation>& looks) {
   std::vector<Meeting> met(looks.size());
   parallel_each(
       looks.size(), [&](std::size_t i) { met[i] = meeting(looks[i]); }, kCellsPerThread);
-  // In their order: sums are rounded.
+  // In order, because sums are rounded.
   for (std::size_t i = 0; i < looks.size(); ++i) {
     Cell& cell = cells_[met[i].cell];
     if (!looks[i].colour) {

@@ -1,5 +1,5 @@
 #pragma once
-// Views of the initialisation: which image sees which point in which colour, and what no point covers.
+// Views of the initialisation: visibility and colours of points in images, and parts of images without points.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -18,27 +18,27 @@
 
 namespace simuli {
 
-/// One exposure: a camera and its pose (scene frame: world shifted by the scene origin) at the start and the
-/// end of the read-out.
+/// One exposure: a camera and its poses (scene frame: world shifted by the scene origin) at the start and end
+/// of the read-out.
 class ImageView {
  public:
   ImageView(Camera camera, const Pose& scene_from_camera_start, const Pose& scene_from_camera_end);
 
-  /// Pixel and distance (m, along the ray) at which p_scene is seen, at the time at which the shutter reaches
-  /// it. False when it lies behind the camera, outside the picture or where that is hidden.
+  /// Projects p_scene at its own shutter time: pixel and distance (m, along the ray). Returns false when it is
+  /// behind the camera, outside the picture, or masked.
   [[nodiscard]] bool project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const;
-  /// Ray through `pixel` in the scene frame; the direction is a unit vector, or zero where the lens has no
-  /// ray.
+  /// Computes the ray through `pixel` in the scene frame; the direction is a unit vector, or zero where the
+  /// lens has no ray.
   void unproject(const Eigen::Vector2d& pixel, Eigen::Vector3d& origin, Eigen::Vector3d& direction) const;
   [[nodiscard]] const Camera& camera() const { return camera_; }
-  /// Where the camera is half-way through the read-out, scene frame.
+  /// Camera position at mid-read-out, scene frame.
   [[nodiscard]] Eigen::Vector3d origin() const { return camera_from_scene_mid_.inverse().translation; }
-  /// The same exposure by another camera in its place, e.g. camera().resized(...).
+  /// The same exposure with another camera, e.g. camera().resized(...).
   [[nodiscard]] ImageView with_camera(const Camera& camera) const;
-  /// From now on what values below 0 mark in its picture, and what is right beside that, is hidden: a mask's.
+  /// Masks pixels with negative values in its picture, and their neighbours.
   void hide(const Image& picture);
   [[nodiscard]] bool hides(const Eigen::Vector2d& pixel) const;
-  /// Side of a pixel at the optical axis, in metres at 1 m distance.
+  /// Size of a pixel at the optical axis, in metres at 1 m distance.
   [[nodiscard]] double pixel_size_at_1m() const { return 1.0 / camera_.focal_px(); }
 
  private:
@@ -52,7 +52,7 @@ class ImageView {
     int width, height;
     std::vector<bool> pixels;  // [height][width]
   };
-  std::shared_ptr<const Hidden> hidden_;  // null: nothing is
+  std::shared_ptr<const Hidden> hidden_;  // null: no mask
 };
 
 /// A point in a picture.
@@ -61,44 +61,44 @@ struct SeenPoint {
   double range_m = 0.0;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
 };
-/// Of `points` those that ImageView::project() says yes to, in their order.
+/// Returns the `points` for which ImageView::project() succeeds, in order.
 [[nodiscard]] std::vector<SeenPoint> seen_points(const ImageView& view, const PointSet& points);
 
-/// The closest look at a point over all images so far, and what all of them have shown.
+/// The nearest observation of a point over all images so far, and a summary of all observations.
 struct PointObservation {
   float range_m = std::numeric_limits<float>::infinity();  // +inf: not seen
-  float footprint_m = 0.0F;                                // side of a pixel at that range
+  float footprint_m = 0.0F;  // size of a pixel at that range
   Eigen::Vector3f colour = Eigen::Vector3f::Zero();        // [0,1]
-  std::uint32_t images = 0;                                // that show it
-  Eigen::AlignedBox3f colours = {};                        // of all of them
+  std::uint32_t images = 0;  // number of images that show it
+  Eigen::AlignedBox3f colours = {};  // range of the colours in these
 };
 
-/// Cells of a picture into which at least one point falls.
+/// Cells of a picture that contain at least one point.
 struct Coverage {
   int cell_px = 1;
   int columns = 0;
   int rows = 0;
   std::vector<std::uint8_t> covered;  // [rows][columns]
-  /// A square of cells, to kMostRadius_px to each side at most.
+  /// Covers a square of cells, at most kMostRadius_px to each side.
   void cover(const Eigen::Vector2d& pixel, double radius_px);
-  /// What is right before the lens neither covers nor hides the whole picture.
+  /// Limits the effect of points right in front of the lens.
   static constexpr double kMostRadius_px = 32.0;
-  /// True when neither the cell nor one of its eight neighbours is covered.
+  /// Whether the cell and its eight neighbours are empty.
   [[nodiscard]] bool is_empty_around(int column, int row) const;
 };
 
-/// How far away the nearest of some points is in each small cell of a picture.
+/// The nearest range of points in each small cell of a picture.
 class NearestPoints {
  public:
   explicit NearestPoints(const Camera& camera);
-  /// A point as wide as `radius_px` to each side, no more than Coverage::kMostRadius_px.
+  /// Adds a point with half width `radius_px`, at most Coverage::kMostRadius_px.
   void add(const Eigen::Vector2d& pixel, double range_m, double radius_px);
-  /// Whether one of them stands before what is range_m away, by more than neighbours on a road differ that is
-  /// seen at a grazing angle.
+  /// Whether a point is in front of range_m by more than neighbouring points differ on a road at grazing
+  /// incidence.
   [[nodiscard]] bool hide(const Eigen::Vector2d& pixel, double range_m) const {
     return range_m - nearest_m(pixel) > least_gap_m(range_m);
   }
-  /// Whether one of them is seen where something nearer would hide it.
+  /// Whether a point is visible where a nearer one would occlude it.
   [[nodiscard]] bool are_seen_through(const Eigen::Vector2d& pixel, double range_m) const {
     const double there_m = nearest_m(pixel);
     return std::isfinite(there_m) && there_m - range_m > least_gap_m(range_m);
@@ -114,10 +114,10 @@ class NearestPoints {
   std::vector<float> nearest_m_;  // [rows][columns], +inf: none
 };
 
-/// Looks at all points through one image: each point that is not hidden by a nearer one, and that no earlier
-/// image saw from closer by, takes this image's colour. Points hide what lies behind a disc of diameter
-/// `point_size_m`. `image` has the size of the view's camera and 3 channels; looks: [points]. Returns the
-/// coverage by the points in cells of `cell_px` pixels.
+/// Observes all points in one image: each point that is not occluded and that no earlier image observed from
+/// nearer takes this image's colour. A point occludes a disc of diameter `point_size_m`. `image` has the size
+/// of the view's camera and 3 channels; looks: [points]. Returns the coverage by points in cells of `cell_px`
+/// pixels.
 Coverage look_at_points(const ImageView& view,
                         const Image& image,
                         const PointSet& points,
@@ -125,19 +125,19 @@ Coverage look_at_points(const ImageView& view,
                         int cell_px,
                         std::vector<PointObservation>& looks);
 
-/// Least width in pixels of the camera set's voxels in the closest picture of them. Drive 0013: none 22.59 dB
-/// with 424 k particles, 3 px 22.58 dB with 292 k. Street, 2 px: 32.99 dB for 32.70, the same off the path.
+/// Smallest width in pixels of the camera set's voxels in their nearest picture (docs/DECISIONS.md,
+/// "Initialisation").
 inline constexpr double kCameraVoxel_px = 3.0;
 
-/// Joins points that no picture shows apart: one average point and colour is left in each voxel, of a side of
-/// finest_m times the power of two nearest to `pixels` pixels of the closest look at its points (or finest_m,
-/// if that is more). Points in order of side and voxel; returns by how many there are fewer.
+/// Merges points that no picture resolves: one average point and colour per voxel, of side finest_m times the
+/// power of two nearest to `pixels` pixels of the nearest observation (at least finest_m). Sorts points by side
+/// and voxel; returns the number of removed points.
 std::size_t join_by_footprint(PointSet& points,
                               std::vector<PointObservation>& looks,
                               double finest_m,
                               double pixels);
 
-/// Channels of a picture, bilinear at a pixel position; the border is continued outwards.
+/// Bilinear channels of a picture at a pixel position; the border is extended.
 template <int kChannels, class Scalar>
 [[nodiscard]] Eigen::Matrix<float, kChannels, 1> sample_bilinear(const Image& image,
                                                                  const Eigen::Matrix<Scalar, 2, 1>& pixel) {
@@ -159,28 +159,28 @@ template <int kChannels, class Scalar>
   return out;
 }
 
-/// All that a picture shows lies within an angle of an axis, seen from a ball that the camera stays in.
+/// A cone that contains all view rays of a picture, from a ball that contains the moving camera.
 class ViewCone {
  public:
   explicit ViewCone(const ImageView& view);
-  /// Whether the picture can show anything of a ball: never a wrong no.
+  /// Conservative test whether the picture can show part of a ball.
   [[nodiscard]] bool may_meet(const Eigen::Vector3d& centre, double radius_m) const;
 
  private:
-  bool bounded_ = false;  // not: some of the picture's border has no ray, or the cone would be all there is
+  bool bounded_ = false;  // false: a border pixel has no ray, or the cone would be the whole space
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero(), axis_ = Eigen::Vector3d::Zero();
   double moved_m_ = 0.0, half_rad_ = 0.0;
 };
 
-/// Points as balls around those that lie side by side: what of them a picture may show.
+/// Points grouped in bounding balls for fast visibility tests.
 class PointBlocks {
  public:
   explicit PointBlocks(const PointSet& points);
-  /// Indices of the points up to farthest_m from the view's origin that ImageView::project() can say yes to,
-  /// in their order, and of some others.
+  /// Returns in order a superset of the indices of points within farthest_m of the view's origin for which
+  /// ImageView::project() succeeds.
   [[nodiscard]] std::vector<std::uint32_t> seen_from(
       const ImageView& view, double farthest_m = std::numeric_limits<double>::infinity()) const;
-  /// Indices of the points up to farthest_m from a place, in their order, and of some others.
+  /// Returns in order a superset of the indices of points within farthest_m of a position.
   [[nodiscard]] std::vector<std::uint32_t> within(const Eigen::Vector3d& from, double farthest_m) const;
 
  private:
@@ -189,41 +189,41 @@ class PointBlocks {
   struct Block {
     Eigen::Vector3f centre;
     float radius_m = 0.0F;
-    std::size_t first = 0;  // of its points in order_, which the next block's follow
+    std::size_t first = 0;  // index in order_ of its first point; the next block follows
   };
-  static constexpr float kSide_m = 2.0F;  // of the cube whose points are a block
-  std::vector<std::uint32_t> order_;      // of the points, block by block
+  static constexpr float kSide_m = 2.0F;  // side of a block's cube
+  std::vector<std::uint32_t> order_;  // points, block by block
   std::vector<Block> blocks_;
 };
 
-/// A look at a picture's pixel where points may hide what is behind them.
+/// A picture's view along a ray beyond the points, which may occlude it.
 struct FarObservation {
-  Eigen::Vector3d origin, direction;      // in the scene
-  std::optional<Eigen::Vector3f> colour;  // none: hidden
+  Eigen::Vector3d origin, direction;  // in the scene frame
+  std::optional<Eigen::Vector3f> colour;  // no value: occluded
 };
 
-/// At the middles of the cells of `coverage` that have a ray there; those that are empty with their neighbours are not
-/// hidden.
+/// Returns observations at the centres of the cells of `coverage` that have a ray; empty cells with empty
+/// neighbours are not occluded.
 [[nodiscard]] std::vector<FarObservation> far_observations(const ImageView& view,
                                              const Image& image,
                                              const Coverage& coverage);
 
-/// Directions in which images see something that no point explains: one averaged colour per cell of an equal
-/// angle grid around the scene origin, at one distance.
+/// Directions in which images show objects without points: one averaged colour per cell of an equal-angle grid
+/// around the scene origin, at one distance.
 class FarShell {
  public:
   /// Throws Error{kUsage} unless 0.05 <= spacing_deg <= 45 and distance_m > 0.
   FarShell(double spacing_deg, double distance_m);
-  /// Error{kInput} unless they begin within the shell.
+  /// Throws Error{kInput} unless the rays begin inside the shell.
   void add(const std::vector<FarObservation>& looks);
 
   struct Patch {
     Eigen::Vector3f direction;  // unit, from the scene origin
     Eigen::Vector3f colour;
   };
-  /// One patch per cell that has a colour and of whose looks at least that share were not hidden, sorted by
-  /// cell. Where most meet something nothing can be far away: what looks open is a gap between points, and a
-  /// patch behind it would be seen through them from elsewhere.
+  /// Returns one patch per cell with a colour where at least that share of observations is not occluded, sorted
+  /// by cell. Where most observations are occluded, open ones look through gaps between points, and a distant
+  /// patch would be visible through them from elsewhere.
   [[nodiscard]] std::vector<Patch> patches(double open_share) const;
   [[nodiscard]] double spacing_rad() const { return spacing_rad_; }
   [[nodiscard]] double distance_m() const { return distance_m_; }
@@ -232,9 +232,9 @@ class FarShell {
   struct Cell {
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // sums
     Eigen::Vector3d colour = Eigen::Vector3d::Zero();
-    double open = 0.0, hidden = 0.0;  // looks
+    double open = 0.0, hidden = 0.0;  // number of observations
   };
-  /// The direction from the scene origin of what a look meets on the shell, and its cell.
+  /// Direction from the scene origin of an observation's intersection with the shell, and its cell.
   struct Meeting {
     Eigen::Vector3d from_origin = Eigen::Vector3d::Zero();
     std::uint64_t cell = 0;
@@ -243,7 +243,7 @@ class FarShell {
 
   double spacing_rad_;
   double distance_m_;
-  std::vector<double> cells_of_ring_;  // rings of equal elevation, cut into cells of about equal width
+  std::vector<double> cells_of_ring_;  // rings of equal elevation, divided into cells of about equal width
   std::unordered_map<std::uint64_t, Cell> cells_;
 };
 

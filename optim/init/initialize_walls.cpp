@@ -15,28 +15,28 @@
 namespace simuli {
 namespace {
 
-constexpr float kUpright = 0.25F;         // of a normal, upwards, at most
-constexpr double kTopReach_m = 2.0;       // below the top, where a wall is told from
-constexpr std::size_t kLeastPoints = 3;   // there
-constexpr float kLeastHigh_m = 1.0F;      // between the highest of them and the lowest: crowns of trees bend
-constexpr float kOneWay = 0.7F;           // of the mean of their normals: its length, at least
-constexpr double kHighest_m = 15.0;       // above the top
-constexpr double kFarthestLook_m = 60.0;  // looks from farther away tell nothing
-constexpr double kWidest_m = 1.2;         // of a pixel on the wall
+constexpr float kUpright = 0.25F;  // largest upward component of a normal
+constexpr double kTopReach_m = 2.0;  // below the top, where a wall is detected
+constexpr std::size_t kLeastPoints = 3;  // in that range
+constexpr float kLeastHigh_m = 1.0F;  // smallest height of these points: tree crowns bend
+constexpr float kOneWay = 0.7F;  // smallest length of the mean normal
+constexpr double kHighest_m = 15.0;  // above the top
+constexpr double kFarthestLook_m = 60.0;  // observations from farther away are ignored
+constexpr double kWidest_m = 1.2;  // largest size of a pixel on the wall
 constexpr std::size_t kMinObservations = 3;
-constexpr float kAgreeing = 0.7F;     // share of the looks
-constexpr int kAlikeOf255 = 15;       // of colours, per channel
-constexpr float kEdge = 0.06F;        // between neighbours
-constexpr double kGap_m = 1.6;        // upwards, that may be unclear
-constexpr double kFinest_m = 0.1;     // between places that are looked at
-constexpr double kLeastAlong = 0.5;   // of a wall's columns that must be there
-constexpr double kOffPlane_m = 0.15;  // of them
+constexpr float kAgreeing = 0.7F;  // share of the observations
+constexpr int kAlikeOf255 = 15;  // largest difference per colour channel
+constexpr float kEdge = 0.06F;  // smallest difference between neighbours
+constexpr double kGap_m = 1.6;  // largest vertical gap without agreement
+constexpr double kFinest_m = 0.1;  // spacing of tested positions
+constexpr double kLeastAlong = 0.5;  // smallest share of a wall's columns present
+constexpr double kOffPlane_m = 0.15;  // largest distance of columns to the plane
 constexpr double kParallelWalls = 0.97;
-constexpr double kStreak_m = 1.5;  // along a wall, to either side, that is as high as it is
+constexpr double kStreak_m = 1.5;  // half length of a wall part with one height
 
 float difference(const Eigen::Vector3f& a, const Eigen::Vector3f& b) { return (a - b).cwiseAbs().maxCoeff(); }
 
-/// Of each column those of the same wall within kStreak_m, itself among them.
+/// Returns for each column the columns of the same wall within kStreak_m, including itself.
 std::vector<std::vector<std::size_t>> same_walls(const std::vector<WallColumn>& columns) {
   std::map<std::array<int, 2>, std::vector<std::size_t>> blocks;
   const auto block_of = [](const WallColumn& column) {
@@ -182,7 +182,7 @@ std::size_t wall_steps(const std::vector<std::optional<Eigen::Vector3f>>& agreed
     unclear = agreed[i] ? 0 : unclear + 1;
     const bool is_edge =
         i > 0 && agreed[i] && agreed[i - 1] && difference(*agreed[i - 1], *agreed[i]) > kEdge;
-    if (is_edge) top = i;  // all below step i
+    if (is_edge) top = i;  // everything below step i
   }
   return top;
 }
@@ -240,7 +240,7 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
     for (std::size_t s = 0; s < steps; ++s) agreed[s] = looks[k * steps + s].agreed();
     tops[k] = columns[k].top_m + static_cast<double>(wall_steps(agreed, gap)) * cell_m;
   }
-  // A wall is as high as most of its columns say.
+  // A wall's height is the median of its columns.
   const std::vector<double> heights = heights_of_walls(columns, tops);
   PointSet above;
   std::vector<Eigen::Vector3f> found;

@@ -14,36 +14,35 @@
 namespace simuli {
 namespace {
 
-constexpr int kPatchReach = 2;       // px of the halved picture: patches of 5 x 5
-constexpr int kDistances = 128;      // steps of inverse distance
-constexpr int kLattice_px = 4;       // between rays that are cast: places between them are interpolated
-constexpr float kWorstCost = 0.10F;  // mean difference of grey values above which nothing matches
+constexpr int kPatchReach = 2;  // px of the half-size picture: patches of 5 x 5
+constexpr int kDistances = 128;  // steps of inverse distance
+constexpr int kLattice_px = 4;  // spacing of projected rays, between which positions are interpolated
+constexpr float kWorstCost = 0.10F;  // mean grey difference above which nothing matches
 constexpr float kMostCost = 2.0F * kWorstCost;
-constexpr float kSameCost = 0.001F;     // costs this close are the same: the farther distance is taken
-constexpr float kSameShare = 0.2F;      // of the best cost, on top: what is left there is noise
+constexpr float kSameCost = 0.001F;  // smaller differences are ties: the farther distance wins
+constexpr float kSameShare = 0.2F;  // relative to the best cost: noise level
 constexpr std::size_t kLeastViews = 2;  // that must agree
-// What it costs a pixel to be a step of distance apart from its neighbour, and any number of them. Twice as much:
-// 24.45 for 24.48 dB on drive 0013 after 200 iterations; two fifths: 24.51; each pixel alone, 64 steps refined: 24.44.
+// Smoothness costs of SGM for neighbours that differ by one step of distance, and by more (docs/DECISIONS.md,
+// "Initialisation").
 constexpr float kStepCost = 0.01F, kJumpCost = 0.05F;
-constexpr double kLikeSteps = 2.0;  // between distances that confirm each other
-constexpr double kSureShare = 0.3;  // of the pixels around one, that do
-// Side of the blocks of pixels of which one becomes a point. Drive 0013, quarter size, 200 iterations: each pixel 24.48
-// dB with 339 k particles, 2: 24.60 with 311 k, 3: 24.39. Half size, 500 iterations: 24.96, 2: 25.19, 4: 24.90 dB.
+constexpr double kLikeSteps = 2.0;  // largest difference of distances that confirm each other
+constexpr double kSureShare = 0.3;  // share of confirming neighbours
+// Side of pixel blocks, each of which gives one point (docs/DECISIONS.md, "Initialisation").
 constexpr int kBlock_px = 2;
 
-/// Step 0 lies beyond kSweepFarthest_m, steps between two in between.
+/// Step 0 is beyond kSweepFarthest_m; fractional steps are in between.
 double distance_of(double step) {
   if (step < 1.0) return 10.0 * kSweepFarthest_m;
   const double far = 1.0 / kSweepFarthest_m, near = 1.0 / kSweepNearest_m;
   return 1.0 / (far + (near - far) * (step - 1.0) / (kDistances - 2));
 }
 
-/// Pixels whose distance is asked for.
+/// Pixels whose distance is computed.
 struct Asked {
   static constexpr std::uint32_t kNot = std::numeric_limits<std::uint32_t>::max();
   int width, height;
-  std::vector<std::uint32_t> number;     // [height][width], of those asked for, or kNot
-  std::vector<Eigen::Vector2i> at = {};  // of each of them
+  std::vector<std::uint32_t> number;  // [height][width] index of a requested pixel, or kNot
+  std::vector<Eigen::Vector2i> at = {};  // their positions
 
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
@@ -70,7 +69,7 @@ Asked asked_of(const SweepPicture& picture, const Coverage& coverage) {
   return out;
 }
 
-/// Values of the pixels of a picture, with a border of zeros as wide as patches reach.
+/// Pixel values of a picture, with a border of zeros of the patch radius.
 class Padded {
  public:
   Padded(int width, int height)
@@ -82,7 +81,7 @@ class Padded {
     return values_[static_cast<std::size_t>(y + kPatchReach) * stride_ +
                    static_cast<std::size_t>(x + kPatchReach)];
   }
-  /// The sum over the patch around each pixel instead of its own value.
+  /// Replaces each value by the sum over its patch.
   void sum_patches() {
     for (std::size_t i = kPatchReach; i + kPatchReach < values_.size(); ++i) {
       rows_[i] = values_[i - 2] + values_[i - 1] + values_[i] + values_[i + 1] + values_[i + 2];
@@ -97,10 +96,10 @@ class Padded {
   static_assert(kPatchReach == 2);
   std::size_t stride_;
   std::vector<float> values_;
-  std::vector<float> rows_;  // sums along them, while patches are summed
+  std::vector<float> rows_;  // horizontal sums
 };
 
-/// How much a picture's patches differ from what others show at each distance.
+/// Matching costs of a picture's patches against other pictures at each distance.
 class Matching {
  public:
   Matching(const SweepPicture& picture, const std::vector<const SweepPicture*>& others, const Asked& asked)
@@ -117,8 +116,8 @@ class Matching {
     }
   }
 
-  /// [asked][kDistances], the mean of the better half of the pictures, since the others may have something in front;
-  /// twice the worst where it is more, or fewer than kLeastViews show it.
+  /// Returns [requested][kDistances] costs: the mean of the better half of the pictures, because others may be
+  /// occluded; twice the worst cost where it is larger, or fewer than kLeastViews show the patch.
   [[nodiscard]] std::vector<float> costs() const {
     std::vector<float> out(asked_.at.size() * kDistances);
     constexpr std::size_t kEach = 1;
@@ -134,12 +133,12 @@ class Matching {
 
  private:
   struct Ray {
-    Eigen::Vector3d origin, direction = Eigen::Vector3d::Zero();  // none: zero
+    Eigen::Vector3d origin, direction = Eigen::Vector3d::Zero();  // zero without a ray
   };
-  /// Pixels between four nodes.
+  /// Pixels between four lattice nodes.
   struct Cell {
     int left, top;                     // px
-    std::array<std::size_t, 4> nodes;  // left and right above, left and right below
+    std::array<std::size_t, 4> nodes;  // upper left and right, lower left and right
   };
   struct Scratch {
     Scratch(const Asked& asked, std::size_t nodes, std::size_t others)
@@ -149,11 +148,11 @@ class Matching {
           is_shown(asked.at.size()),
           costs(asked.at.size() * others),
           seen(asked.at.size()) {}
-    Padded difference, shown;                            // by another picture
-    std::vector<std::optional<Eigen::Vector2f>> places;  // [nodes] in it
-    std::vector<std::uint8_t> is_shown;                  // [asked]
-    std::vector<float> costs;                            // [asked][others], the least first
-    std::vector<std::size_t> seen;                       // [asked], how many of them there are
+    Padded difference, shown;  // of another picture
+    std::vector<std::optional<Eigen::Vector2f>> places;  // [nodes] positions in it
+    std::vector<std::uint8_t> is_shown;  // [requested]
+    std::vector<float> costs;  // [requested][others], smallest first
+    std::vector<std::size_t> seen;  // [requested], number of pictures that show it
   };
 
   [[nodiscard]] Ray ray_of(int x, int y) const {
@@ -161,7 +160,7 @@ class Matching {
     picture_.view.unproject({x + 0.5, y + 0.5}, ray.origin, ray.direction);
     return ray;
   }
-  /// Whether the patch of a pixel that is asked for reaches into a cell.
+  /// Whether the patch of a requested pixel extends into a cell.
   [[nodiscard]] bool is_asked_for(int column, int row) const {
     const int left = column * kLattice_px, top = row * kLattice_px;
     const int right = std::min(left + kLattice_px + kPatchReach, asked_.width);
@@ -210,7 +209,7 @@ class Matching {
     }
   }
 
-  /// Adds another picture's costs.
+  /// Adds the costs of another picture.
   void compare(const SweepPicture& other, double distance_m, Scratch& scratch) const {
     scratch.difference.clear();
     scratch.shown.clear();
@@ -260,20 +259,20 @@ class Matching {
   const std::vector<const SweepPicture*>& others_;
   const Asked& asked_;
   int columns_, rows_;       // of the lattice
-  std::vector<Ray> nodes_;   // [rows][columns]; none where no pixel is asked for
-  std::vector<Cell> cells_;  // between four nodes that have rays
+  std::vector<Ray> nodes_;  // [rows][columns]; empty without requested pixels
+  std::vector<Cell> cells_;  // between four nodes with rays
 };
 
-/// One way's costs along a row of pixels.
+/// Path costs along a row of pixels in one direction.
 struct Paths {
   explicit Paths(int width)
       : costs(static_cast<std::size_t>(width) * kDistances), least(static_cast<std::size_t>(width), kNone) {}
   static constexpr float kNone = -1.0F;
   std::vector<float> costs;  // [width][kDistances]
-  std::vector<float> least;  // [width], of a pixel's, or kNone
+  std::vector<float> least;  // [width], smallest of a pixel, or kNone
 };
 
-/// Paths' costs one pixel on: `path` from those of the pixel before. Returns the least.
+/// Advances path costs by one pixel: `path` from the previous pixel's. Returns the smallest.
 float go_on(const float* cost, const float* before, float least, float* path) {
   const auto cheapest = [&](int step, float beside) {
     return cost[step] + std::min({before[step], beside + kStepCost, least + kJumpCost}) - least;
@@ -286,7 +285,7 @@ float go_on(const float* cost, const float* before, float least, float* path) {
   return *std::min_element(path, path + kDistances);
 }
 
-/// Adds the costs of the cheapest paths that come along (dx, dy) to each pixel (Hirschmüller 2008, equation 13).
+/// Adds the cheapest path costs along (dx, dy) to each pixel (Hirschmüller 2008, equation 13).
 void add_paths(
     const Asked& asked, const std::vector<float>& costs, int dx, int dy, std::vector<float>& sums) {
   const bool is_forward = dy > 0 || (dy == 0 && dx > 0);
@@ -319,10 +318,10 @@ void add_paths(
   }
 }
 
-/// Means over the paths from eight sides.
+/// Returns the means over paths from eight directions.
 std::vector<float> with_neighbours(const Asked& asked, const std::vector<float>& costs) {
   constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {0, 1}, {1, 1}, {-1, 1}}};
-  std::array<std::vector<float>, 2> sums;  // of paths that come that way, and the other way
+  std::array<std::vector<float>, 2> sums;  // of paths in both directions
   constexpr std::size_t kEach = 1;
   parallel_each(
       sums.size(),
@@ -340,11 +339,11 @@ std::vector<float> with_neighbours(const Asked& asked, const std::vector<float>&
 
 /// A pixel's step of distance.
 struct Step {
-  double at = 0.0;       // between two of them where costs say so; 0: none
-  bool is_sure = false;  // it looks otherwise at most distances, whatever its neighbours say
+  double at = 0.0;  // fractional step from interpolated costs; 0: none
+  bool is_sure = false;  // its own cost is distinctive at most distances
 };
 
-/// The median over the distances at which others show it.
+/// The median cost over the distances at which other pictures show the pixel.
 float usual_cost(const float* own) {
   std::array<float, kDistances> some{};
   const auto end =
@@ -354,7 +353,7 @@ float usual_cost(const float* own) {
   return *middle;
 }
 
-/// `own`, `costs`: [kDistances], without and with its neighbours' word.
+/// `own`, `costs`: [kDistances], without and with smoothing.
 Step step_of(const float* own, const float* costs) {
   const auto alike = [](float best, float cost) { return cost <= (1.0F + kSameShare) * best + kSameCost; };
   const float best = *std::min_element(costs, costs + kDistances);
@@ -363,7 +362,7 @@ Step step_of(const float* own, const float* costs) {
   if (step == 0 || !(own[step] <= kWorstCost)) return {};
   Step out{static_cast<double>(step), !alike(own[step], usual_cost(own))};
   if (step < 2 || step + 1 == kDistances) return out;
-  // The least of the parabola through three of them.
+  // The minimum of the parabola through three costs.
   const double slope = static_cast<double>(costs[step - 1]) - static_cast<double>(costs[step + 1]);
   const double bend = static_cast<double>(costs[step - 1]) - 2.0 * static_cast<double>(costs[step]) +
                       static_cast<double>(costs[step + 1]);
@@ -372,7 +371,7 @@ Step step_of(const float* own, const float* costs) {
   return out;
 }
 
-/// Whether enough pixels around one are sure of a distance like its own.
+/// Whether enough neighbours have a similar distance with certainty.
 bool is_confirmed(const Asked& asked, const std::vector<Step>& steps, std::size_t i) {
   const int x = asked.at[i].x(), y = asked.at[i].y();
   int all = 0, sure = 0;
@@ -387,7 +386,7 @@ bool is_confirmed(const Asked& asked, const std::vector<Step>& steps, std::size_
   return sure >= kSureShare * all;
 }
 
-/// Of each block that has confirmed pixels the one that others show best. `own`: [asked][kDistances]
+/// Returns for each block with confirmed pixels the one with the best match. `own`: [requested][kDistances]
 std::vector<std::uint32_t> best_of_blocks(const Asked& asked,
                                           const std::vector<float>& own,
                                           const std::vector<Step>& steps) {

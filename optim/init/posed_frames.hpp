@@ -1,5 +1,5 @@
 #pragma once
-// Frames of a log in the scene: what was recorded beside the poses it was recorded from.
+// Frames of a log with their poses in the scene.
 #include <Eigen/Core>
 #include <cstddef>
 #include <utility>
@@ -14,7 +14,7 @@ namespace simuli {
 /// Mean sensor position in whole metres: offsets from it are small and exact in float.
 [[nodiscard]] Eigen::Vector3d scene_origin(const Trajectory& world_from_rig);
 
-/// A sweep with the poses at its start and end. `lidar` is the log's.
+/// A sweep with the poses at its start and end. `lidar` belongs to the log.
 struct PosedSweep {
   const LidarModel& lidar;
   Sweep sweep;
@@ -24,17 +24,17 @@ struct PosedSweep {
 struct SceneRay {
   Eigen::Vector3d origin, direction;  // m, unit
 };
-/// A ray (row-major) where it was when it fired.
+/// Returns a ray (row-major) at its firing time.
 [[nodiscard]] SceneRay ray_in_scene(const PosedSweep& posed, std::size_t ray);
-/// Error{kInput} when it can't be read.
+/// Throws Error{kInput} when the file cannot be read.
 [[nodiscard]] PosedSweep load_sweep(const Log& log, const SweepFrame& frame, const Eigen::Vector3d& origin);
 
-/// From where the picture of `frame` was taken, at the training size.
+/// Returns the view of the picture of `frame` at the training size.
 [[nodiscard]] ImageView image_view(const Log& log,
                                    const ImageFrame& frame,
                                    const Eigen::Vector3d& origin,
                                    double image_scale);
-/// The picture itself beside it. Error{kInput} when it can't be read.
+/// Returns the picture and its view. Throws Error{kInput} when the file cannot be read.
 [[nodiscard]] std::pair<Image, ImageView> load_view(const Log& log,
                                                     const ImageFrame& frame,
                                                     const Eigen::Vector3d& origin,
@@ -44,7 +44,7 @@ struct SceneRay {
   return 0.5 * (frame.time_start_s + frame.time_end_s);
 }
 
-/// Those that are not held out.
+/// Returns the frames that are not held out.
 template <class Frame>
 [[nodiscard]] std::vector<const Frame*> training_frames(const std::vector<Frame>& frames,
                                                         const HeldOutRule& rule) {

@@ -11,17 +11,17 @@
 namespace simuli {
 namespace {
 
-constexpr int kReach_px = 2;            // of the square whose grey values tell of texture
-constexpr float kFlat = 0.02F;          // their standard deviation, at most
-constexpr float kLeastShare = 0.35F;    // of the grey value that a hundredth of the picture exceeds
-constexpr float kAlike = 0.03F;         // between a channel's values in two areas of one sky, at most
-constexpr float kSame = 0.04F;          // of a pixel of sky and one beside it
+constexpr int kReach_px = 2;  // half side of the square for texture
+constexpr float kFlat = 0.02F;  // largest standard deviation of grey values in it
+constexpr float kLeastShare = 0.35F;  // relative to the 99th percentile of grey values
+constexpr float kAlike = 0.03F;  // largest difference of a channel between two areas of one sky
+constexpr float kSame = 0.04F;  // between a sky pixel and its neighbour
 constexpr std::size_t kLeastArea = 20;  // px
-// Returns in a sky: of what stands before it by the distance from LiDAR to camera.
+// Largest numbers of returns in a sky area, from occluders seen with the parallax between LiDAR and camera.
 constexpr double kReturns = 5.0, kReturnsPerPixel = 0.002;
-constexpr double kApart_s = 0.5;  // between picture and sweep, at most
+constexpr double kApart_s = 0.5;  // largest time between picture and sweep
 
-/// Sums over the square of kReach_px around each pixel, continued beyond the border, by its size.
+/// Mean over the square of kReach_px around each pixel, with extended borders.
 std::vector<float> box_mean(const std::vector<float>& values, int width, int height) {
   std::vector<float> rows(values.size()), out(values.size());
   const auto at = [width](int x, int y) {
@@ -88,7 +88,7 @@ struct Area {
   }
 };
 
-/// Numbers the candidates by area, 1 and up; 0: none.
+/// Numbers connected candidate areas from 1 on; 0: none.
 std::vector<std::uint32_t> areas_of(const std::vector<bool>& candidate,
                                     const Image& image,
                                     std::vector<Area>& areas) {
@@ -125,8 +125,8 @@ std::vector<std::uint32_t> areas_of(const std::vector<bool>& candidate,
   return number;
 }
 
-/// The largest open area that touches the border, and all that are like it or like one of these that touches it: wires
-/// divide a sky whose colour changes.
+/// Selects the largest open area that touches the border, and areas similar to it or to a selected one that
+/// touches it: wires divide a sky of varying colour.
 std::vector<bool> sky_of(const std::vector<Area>& areas) {
   std::vector<bool> is_sky(areas.size());
   std::vector<std::size_t> found;
@@ -146,10 +146,10 @@ std::vector<bool> sky_of(const std::vector<Area>& areas) {
   return is_sky;
 }
 
-/// Takes in what is as bright as the sky beside it: squares that reach beyond its edge tell of texture.
+/// Adds neighbours of the sky's brightness: squares across its edge are textured.
 void grow(std::vector<bool>& sky, const Image& image) {
   const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-  std::vector<std::pair<std::size_t, std::size_t>> edge, next;  // pixel, and whose colour it has
+  std::vector<std::pair<std::size_t, std::size_t>> edge, next;  // pixel, and the pixel whose colour it has
   for (std::size_t i = 0; i < sky.size(); ++i) {
     if (sky[i]) edge.emplace_back(i, i);
   }
@@ -221,7 +221,7 @@ SkyMask SkyFinder::find(const ImageFrame& frame, const Image& image, const Image
   }
   if (nearest != read_) {
     returns_.clear();
-    read_ = {};  // unless all of them can be read
+    read_ = {};  // unless all can be read
     for (const auto& [name, sweep] : nearest) {
       if (sweep != nullptr) returns_.push_back(read(*sweep));
     }

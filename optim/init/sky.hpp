@@ -1,5 +1,5 @@
 #pragma once
-// Sky in recorded pictures: what has no distance.
+// Sky in recorded pictures, which has no distance.
 #include <cstddef>
 #include <map>
 #include <string>
@@ -11,16 +11,16 @@
 
 namespace simuli {
 
-/// Which pixels of a picture show sky for sure.
+/// Pixels of a picture that certainly show sky.
 class SkyMask {
  public:
-  SkyMask() = default;  // none do
+  SkyMask() = default;  // no sky
   /// [height][width].
   SkyMask(int width, int height, std::vector<bool> sky);
 
   [[nodiscard]] bool empty() const { return sky_.empty(); }
   [[nodiscard]] bool at(std::size_t pixel) const { return !sky_.empty() && sky_[pixel]; }
-  /// At a place in the picture; beyond its border what is nearest.
+  /// Value at a position in the picture; positions outside are clamped.
   [[nodiscard]] bool at(const Eigen::Vector2d& pixel) const;
 
  private:
@@ -28,22 +28,22 @@ class SkyMask {
   std::vector<bool> sky_;
 };
 
-/// Of a picture as large as the view's camera: areas without texture above the horizon that are not dark and in which
-/// next to no return lies: the largest of them that touches the border, and what is like it. returns: [sweeps][3][n]
-/// m, in the view's frame, of sweeps taken next to the picture. Without any nothing is sky: nothing else tells a wall
-/// or a ceiling from it.
+/// Finds sky in a picture of the size of the view's camera: bright areas without texture above the horizon that
+/// contain hardly any return: the largest that touches the border, and similar ones. returns: [sweeps][3][n] m,
+/// in the view's frame, of sweeps near the picture's time. Without returns there is no sky, because nothing
+/// distinguishes it from a wall or a ceiling.
 [[nodiscard]] SkyMask find_sky(const ImageView& view,
                                const Image& image,
                                const std::vector<Eigen::Matrix3Xd>& returns);
 
 using SkyMasks = std::map<const ImageFrame*, SkyMask>;
 
-/// find_sky() in pictures of a log, by the sweep of each LiDAR that is nearest in time.
+/// Applies find_sky() to pictures of a log, with the sweep of each LiDAR that is nearest in time.
 class SkyFinder {
  public:
-  /// `log` and `sweeps`, those that may be read, must outlive it. `origin`: of the views.
+  /// `log` and the training `sweeps` must outlive this object. `origin`: of the views.
   SkyFinder(const Log& log, std::vector<const SweepFrame*> sweeps, const Eigen::Vector3d& origin);
-  /// Error{kInput} when a sweep can't be read.
+  /// Throws Error{kInput} when a sweep cannot be read.
   [[nodiscard]] SkyMask find(const ImageFrame& frame, const Image& image, const ImageView& view);
 
  private:
@@ -53,7 +53,7 @@ class SkyFinder {
   const Log& log_;
   std::vector<const SweepFrame*> sweeps_;
   Eigen::Vector3d origin_;
-  Sweeps read_;  // the last ones: the cameras of a rig's moment share them
+  Sweeps read_;  // the latest; cameras of one rig moment share them
   std::vector<Eigen::Matrix3Xd> returns_;
 };
 

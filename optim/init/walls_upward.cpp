@@ -14,24 +14,24 @@ namespace simuli {
 namespace {
 
 constexpr double kNearestWall_m = 1.0;  // from the sensor
-/// A beam passes a place when it is no farther off than this, or than half-way to the next beam.
+/// A beam passes a position within this distance, or half the distance to the next beam.
 constexpr double kBesideBeam_m = 0.15;
-/// A ray ends at a place when their ranges differ by no more than this, or this share of the range.
+/// A ray ends at a position when their ranges differ by at most this, or this share of the range.
 constexpr double kWallMargin_m = 0.3;
 constexpr double kWallMarginShare = 0.02;
-constexpr int kRounds = 3;  // until the time of a firing and where it looks agree
+constexpr int kRounds = 3;  // iterations for the firing time and its direction
 
-/// The rays of one sweep, by the places they pass.
+/// The rays of one sweep, by the positions that they pass.
 class PassingRays {
  public:
   PassingRays(const PosedSweep& posed, const Lidar& lidar) : posed_(posed), lidar_(lidar) {
     for (const LidarRow& row : lidar.rows) slopes_.push_back(std::tan(row.elevation));
   }
 
-  /// Whether all three neighbouring rays that pass a place go on behind it, or never come back.
+  /// Whether all three neighbouring rays that pass a position continue behind it or do not return.
   [[nodiscard]] bool go_on_at(const Eigen::Vector3d& place) const {
     Eigen::Vector3d p;
-    double share = 0.5;  // of the sweep's time
+    double share = 0.5;  // share of the sweep's time
     for (int round = 0; round < kRounds; ++round) {
       p = interpolate(posed_.scene_from_lidar_start, posed_.scene_from_lidar_end, share).inverse() * place;
       share = (column(p, 0.0) + 0.5) / lidar_.columns;
@@ -56,7 +56,7 @@ class PassingRays {
   }
 
  private:
-  /// Nearest one; of a partial turn, too: what lies outside of it looks like its end.
+  /// Nearest column; directions outside of a partial revolution map to its end.
   [[nodiscard]] int column(const Eigen::Vector3d& p, double offset) const {
     constexpr double kTurn = 2.0 * std::numbers::pi;
     double angle = lidar_.spin_sign() * (std::atan2(p.y(), p.x()) - offset - lidar_.azimuth_first);
@@ -64,7 +64,7 @@ class PassingRays {
     const double at = std::round(angle / lidar_.azimuth_span * lidar_.columns);
     return static_cast<int>(std::min<double>(at, lidar_.columns - 1));
   }
-  /// Whose beam passes height z at across_m from the axis; rows.size() when none does.
+  /// Row whose beam passes height z at across_m from the axis; rows.size() without one.
   [[nodiscard]] std::size_t nearest_row(double across_m, double z) const {
     const auto off_m = [&](std::size_t row) {
       return std::abs(lidar_.rows[row].vertical_offset + across_m * slopes_[row] - z);

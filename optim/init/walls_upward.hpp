@@ -1,6 +1,6 @@
 #pragma once
-// Walls above the laser for LiDARs that look higher than those of the drive: from above or from beside the
-// path, or of another kind. No ray has met them, and none may have passed where they are.
+// Walls above the LiDARs' field of view, for rendering LiDARs that look higher: mounted higher, off the
+// trajectory, or of another kind. No ray has hit them, and no ray may have passed through them.
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -15,16 +15,16 @@
 
 namespace simuli {
 
-/// Where returns of upright walls (columns_of_walls()) end, and what rays say of the places above.
+/// Columns of walls (columns_of_walls()) where returns end, and evidence of rays above them.
 class WallsUpward {
  public:
-  /// `points`: of the background, one per voxel of voxel_m. Walls go on by up_m at most.
+  /// `points`: background, one per voxel of voxel_m. Walls continue by at most up_m.
   WallsUpward(const PointSet& points, double voxel_m, double up_m);
-  /// Rays of a sweep that meet something behind a place, or nothing at all, end the wall below it. Lists of
-  /// rays, whose neighbours aren't known, have no word.
+  /// Ends walls below positions that rays of the sweep pass (return from behind, or drop). Ignores ray lists,
+  /// whose neighbours are unknown.
   void look_through(const PosedSweep& posed);
-  /// A point for each place that is left, cell_m() apart. A wall is no higher than most of its columns within
-  /// 1.5 m. Nothing when no sweep had a word.
+  /// Returns a point for each remaining position, cell_m() apart. A wall is no higher than the median of its
+  /// columns within 1.5 m. Empty without any evidence.
   [[nodiscard]] PointSet points() const;
   [[nodiscard]] double cell_m() const { return cell_m_; }
 
@@ -34,12 +34,12 @@ class WallsUpward {
   double cell_m_;
   std::size_t steps_;
   std::vector<WallColumn> columns_;
-  std::vector<std::uint8_t> is_open_;  // [columns][steps] rays went on there
+  std::vector<std::uint8_t> is_open_;  // [columns][steps] rays passed there
   bool is_asked_ = false;
 };
 
-/// LiDAR particles on them, by init.lidar_walls_m: none if that is 0. `points` as above, of the scene with
-/// that origin; `step` is called after each of the sweeps. Error{kInput} when one can't be read.
+/// Returns LiDAR particles on these walls, by init.lidar_walls_m: none if that is 0. `points` as above, in the
+/// scene with that origin; calls `step` after each sweep. Throws Error{kInput} when a sweep cannot be read.
 [[nodiscard]] GaussianSet walls_upward(const Log& log,
                                        const std::vector<const SweepFrame*>& sweeps,
                                        const Eigen::Vector3d& origin,

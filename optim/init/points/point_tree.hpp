@@ -24,11 +24,10 @@ struct CloudView {
 using PointTree = nanoflann::
     KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, CloudView>, CloudView, 3, std::uint32_t>;
 
-/// f(index) for each point of a built tree less than radius_m from query[3]; in no order that can be relied
-/// on.
+/// Calls f(index) for each point of a built tree within radius_m of query[3], in unspecified order.
 template <class F>
 void for_each_within(const PointTree& tree, const float* query, float radius_m, F&& f) {
-  struct Found {  // what nanoflann calls a result set
+  struct Found {  // a result set of nanoflann
     float radius2_m2;
     F& f;
     void init() {}

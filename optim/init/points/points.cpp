@@ -18,17 +18,17 @@ namespace simuli {
 namespace {
 
 constexpr int kKeyBits = 21;
-constexpr std::int64_t kHalfRange = std::int64_t{1} << (kKeyBits - 1);  // voxels either side of the origin
-constexpr std::size_t kMergeEvery = std::size_t{1} << 21U;              // cells, 88 bytes each
+constexpr std::int64_t kHalfRange = std::int64_t{1} << (kKeyBits - 1);  // voxels on either side of the origin
+constexpr std::size_t kMergeEvery = std::size_t{1} << 21U;  // cells, 88 bytes each
 constexpr std::size_t kPlaneNeighbours = 8;
-/// Smallest over middle variance up to which neighbours count as a plane (a standard deviation of a third).
+/// Largest ratio of smallest to middle variance of a plane (a third in standard deviation).
 constexpr double kNeighbourPlaneRatio = 0.1;
-/// Middle over largest variance from which they are a plane and not just a line, as one laser ring is.
+/// Smallest ratio of middle to largest variance of a plane; below it points form a line, like one LiDAR ring.
 constexpr double kNeighbourLineRatio = 0.02;
 
-/// Finds the plane through the given points and writes it to `shape` when there is one.
+/// Fits a plane to the given points and sets `shape` if there is one.
 void fit_plane(const PointSet& points, const std::uint32_t* indices, std::size_t count, LocalShape& shape) {
-  if (count < 4) return;  // three points always lie in a plane
+  if (count < 4) return;  // three points always define a plane
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   const auto at = [&](std::size_t i) -> Eigen::Vector3d {
     return points.position.col(static_cast<Eigen::Index>(indices[i])).cast<double>();
@@ -155,7 +155,7 @@ std::vector<std::uint32_t> thin(std::size_t count, std::size_t limit, std::uint6
   std::vector<std::uint32_t> indices(count);
   std::iota(indices.begin(), indices.end(), 0U);
   if (count <= limit) return indices;
-  // The `limit` smallest hashes: exactly that many, and a lower limit keeps a subset of a higher one.
+  // Keeps the `limit` smallest hashes: exactly that many, and lower limits keep subsets of higher ones.
   const std::uint64_t salt = splitmix(seed);
   const auto by_hash = [salt](std::uint32_t a, std::uint32_t b) {
     return std::pair{splitmix(a ^ salt), a} < std::pair{splitmix(b ^ salt), b};
@@ -174,7 +174,7 @@ std::vector<LocalShape> local_shapes(const PointSet& points) {
   PointTree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(16));
   tree.buildIndex();
   parallel_each(points.size(), [&](std::size_t i) {
-    std::array<std::uint32_t, kPlaneNeighbours + 1> indices{};  // the point itself comes first
+    std::array<std::uint32_t, kPlaneNeighbours + 1> indices{};  // the first is the point itself
     std::array<float, kPlaneNeighbours + 1> distance2{};
     const float* query = points.position.col(static_cast<Eigen::Index>(i)).data();
     const std::size_t found = tree.knnSearch(query, indices.size(), indices.data(), distance2.data());

@@ -1,5 +1,5 @@
 #pragma once
-// Points that a scene starts from: voxel averages, deterministic thinning, spacing and local planes.
+// Initial points of a scene: voxel averages, deterministic thinning, spacing and local planes.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
@@ -10,33 +10,33 @@
 
 namespace simuli {
 
-/// Whose mean distance is how far apart points are.
+/// Number of neighbours whose mean distance is the spacing.
 inline constexpr std::size_t kSpacingNeighbours = 3;
 
 /// N points, metres from the scene origin, with LiDAR intensity in [0,1].
 struct PointSet {
   Eigen::Matrix<float, 3, Eigen::Dynamic> position;  // [3, N]
   std::vector<float> intensity;                      // [N]
-  std::vector<Sight> sight;                          // [N]; empty: none is known
+  std::vector<Sight> sight;  // [N]; empty: unknown
 
   [[nodiscard]] std::size_t size() const { return intensity.size(); }
   /// The points at `indices`, in that order.
   [[nodiscard]] PointSet subset(const std::vector<std::uint32_t>& indices) const;
-  /// Puts `others` behind these.
+  /// Appends `others`.
   void append(const PointSet& others);
 };
 
-/// Averages points per voxel. Sums are exact integers (micrometres, millionths), so the averages do not
-/// depend on the order in which points come, and memory is bounded by the voxels, not the points.
+/// Averages points per voxel. Sums are exact integers (micrometres, millionths), so averages do not depend on
+/// the order of points, and memory is proportional to voxels, not points.
 class VoxelGrid {
  public:
   /// Throws Error{kUsage} unless 1 mm <= voxel_m <= 100 m.
   explicit VoxelGrid(double voxel_m);
-  /// A point in metres from the scene origin; of a voxel's sights the nearest is kept. Throws Error{kInput}
-  /// when it is not finite or more than 2^20 voxels from the origin.
+  /// Adds a point in metres from the scene origin; a voxel keeps the nearest sight. Throws Error{kInput} when
+  /// the point is not finite or more than 2^20 voxels from the origin.
   void add(const Eigen::Vector3d& position, double intensity, const Sight& sight = {});
   [[nodiscard]] std::size_t points() const { return points_; }
-  /// One averaged point per occupied voxel, sorted by voxel (z, y, x).
+  /// Returns one averaged point per occupied voxel, sorted by voxel (z, y, x).
   [[nodiscard]] PointSet averages();
 
  private:
@@ -55,10 +55,10 @@ class VoxelGrid {
   std::vector<Cell> cells_;
 };
 
-/// Indices to keep so that at most `limit` of `count` remain: uniform, the same for the same seed, ascending.
+/// Returns ascending indices of at most `limit` of `count` elements: uniform, the same for the same seed.
 [[nodiscard]] std::vector<std::uint32_t> thin(std::size_t count, std::size_t limit, std::uint64_t seed);
 
-/// The surface around a point as far as its neighbours tell.
+/// The local surface around a point, estimated from its neighbours.
 struct LocalShape {
   float spacing_m = 0.0F;  // mean distance to the 3 nearest points; +inf for a lone point
   bool planar = false;
@@ -66,7 +66,7 @@ struct LocalShape {
   Eigen::Quaternionf scene_from_local = Eigen::Quaternionf::Identity();
 };
 
-/// Spacing and plane of each point from its 8 nearest neighbours. [N]
+/// Computes spacing and plane of each point from its 8 nearest neighbours. [N]
 [[nodiscard]] std::vector<LocalShape> local_shapes(const PointSet& points);
 
 }  // namespace simuli

@@ -8,7 +8,7 @@
 namespace simuli {
 namespace {
 
-/// Half of the angle between the beams above and below; at the rims, that to the only neighbour.
+/// Half of the angle between the beams above and below; for the outer beams the angle to their only neighbour.
 std::vector<double> row_steps(const Lidar& lidar, double column_step_rad) {
   const std::vector<LidarRow>& rows = lidar.rows;
   std::vector<double> out(rows.size(), column_step_rad);
@@ -20,7 +20,7 @@ std::vector<double> row_steps(const Lidar& lidar, double column_step_rad) {
   return out;
 }
 
-/// Of rays without rows: the side of a square of the solid angle that each has of all.
+/// For rays without rows: the side of a square with each ray's share of the solid angle.
 double list_step(const RayList& list) {
   const auto [left, right] = std::minmax_element(list.azimuth.begin(), list.azimuth.end());
   const auto [low, high] = std::minmax_element(list.elevation.begin(), list.elevation.end());
@@ -80,7 +80,7 @@ Sight SightMaker::of(const LidarRays& rays,
   const double azimuth = rays.azimuth[ray], elevation = rays.elevation[ray];
   const Eigen::Vector3d across(-std::sin(azimuth), std::cos(azimuth), 0.0);
   const Eigen::Vector3d towards = Lidar::direction(azimuth, elevation);
-  // A list has one row, whose firings are neighbours in no direction: its steps are alike.
+  // A list has one row whose firings are not neighbours: both steps are equal.
   const double spread = row_step_rad_.size() > 1 ? std::cos(elevation) : 1.0;
   const Sight in_lidar{range_m,
                        towards.cast<float>(),

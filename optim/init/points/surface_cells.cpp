@@ -13,20 +13,20 @@
 namespace simuli {
 namespace {
 
-constexpr int kAxisBits = 21;          // as VoxelGrid: 2^20 voxels either side of the origin
+constexpr int kAxisBits = 21;  // as in VoxelGrid: 2^20 voxels on either side of the origin
 constexpr int kLargestLevel = 7;       // 128 voxels
-constexpr double kFewestFlat = 4.0;    // points: three lie in a plane wherever they are
-constexpr double kLeastExtent = 0.5;   // of a flat cell's side, along both of its axes
-constexpr double kLeastCovered = 0.5;  // of the points that a whole surface would have
-/// A flat cell's particle reaches beyond it: around it, at this distance over its side from its middle, the
-/// surface must go on alike, as the nearest point there tells, up to kProbeReach of the side or a sensor's
-/// gap away.
+constexpr double kFewestFlat = 4.0;  // points: three are always coplanar
+constexpr double kLeastExtent = 0.5;  // relative to a flat cell's side, along both of its axes
+constexpr double kLeastCovered = 0.5;  // relative to the points of a closed surface
+/// Probes around a flat cell: because its particle extends beyond the cell, the surface must continue with the
+/// same intensity at this relative distance from its centre; the nearest point there may be up to kProbeReach
+/// of the side or one sensor gap away.
 constexpr int kProbes = 8;
 constexpr float kProbeAt = 1.0F, kProbeReach = 0.35F;
-constexpr std::size_t kProbePoints = 3;  // whose intensities are compared
-constexpr float kProbeOff = 3.0F;        // distance from the plane over flat_m, at most
+constexpr std::size_t kProbePoints = 3;  // points whose intensities are compared
+constexpr float kProbeOff = 3.0F;  // largest distance from the plane relative to flat_m
 
-/// The bits of x, three places apart.
+/// Spreads the bits of x to every third bit.
 std::uint64_t spread(std::uint64_t x) {
   x &= (std::uint64_t{1} << kAxisBits) - 1;
   x = (x | x << 32U) & 0x1f00000000ffffU;
@@ -37,11 +37,11 @@ std::uint64_t spread(std::uint64_t x) {
   return x;
 }
 
-/// What points say together.
+/// Moments of a group of points.
 struct Sums {
   double count = 0.0, intensity = 0.0, intensity2 = 0.0;
   Eigen::Vector3d about = Eigen::Vector3d::Zero();  // one of the points
-  Eigen::Vector3d first = Eigen::Vector3d::Zero();  // of positions from there
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();  // of positions relative to it
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
   Sight sight;
 
@@ -101,7 +101,7 @@ class CellTree {
     return level;
   }
 
-  /// Cells of all points [begin, end), which share a cell of `level`.
+  /// Splits the points [begin, end), which share a cell of `level`, into cells.
   void split(std::size_t begin, std::size_t end, int level) {
     const auto shift = static_cast<unsigned>(3 * (level - 1));
     while (begin < end) {
@@ -146,12 +146,12 @@ class CellTree {
     solver.computeDirect(sums.covariance());
     const Eigen::Vector3d& variance = solver.eigenvalues();  // ascending
     if (!(variance(0) <= options_.flat_m * options_.flat_m)) return false;
-    // Points stand for voxels: a square of side a has the variance a^2 / 12 along each side.
+    // Points represent voxels: a square of side a has the variance a^2 / 12 along each side.
     const double voxel2 = options_.voxel_m * options_.voxel_m;
     const double narrow2 = 12.0 * variance(1) + voxel2, wide2 = 12.0 * variance(2) + voxel2;
     if (narrow2 < kLeastExtent * kLeastExtent * side * side) return false;
     const Eigen::Vector3f normal = solver.eigenvectors().col(0).cast<float>();
-    // What a whole surface has of points: a voxel's, or what rows or columns leave if they are farther apart.
+    // Area per point of a closed surface: a voxel's, or the sensor's sampling if sparser.
     double point_m2 = voxel2;
     if (sums.sight.is_known()) {
       point_m2 = std::max(options_.voxel_m, static_cast<double>(sums.sight.column_step_on(normal).norm())) *
@@ -161,7 +161,7 @@ class CellTree {
     return goes_on(sums, static_cast<float>(side), normal, static_cast<float>(std::sqrt(point_m2)));
   }
 
-  /// Whether the surface goes on around a flat cell.
+  /// Whether the surface continues around a flat cell.
   [[nodiscard]] bool goes_on(const Sums& sums,
                              float side,
                              const Eigen::Vector3f& normal,

@@ -14,13 +14,13 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr std::uint32_t kEnoughPoints = 6;  // of a cell, to tell its own plane
-/// Nearest points that tell a plane: more of them where they are all on one line, as a row of returns is.
+constexpr std::uint32_t kEnoughPoints = 6;  // points of a cell that define its own plane
+/// Numbers of nearest points tried for a plane: more where they are all on one line, such as a row of returns.
 constexpr std::array<std::size_t, 3> kNeighbours{9, 25, 65};
-constexpr float kSurfacePlaneRatio = 0.1F;  // smallest over middle variance of a plane, at most
-constexpr float kSurfaceLineRatio = 0.02F;  // middle over largest variance of a line, at most
-constexpr float kGapReach = 1.5F;           // how far the next particle may be, over what a sweep leaves
-constexpr float kOffPlane = 0.2F;           // how far off the plane, over its distance
+constexpr float kSurfacePlaneRatio = 0.1F;  // largest ratio of smallest to middle variance of a plane
+constexpr float kSurfaceLineRatio = 0.02F;  // largest ratio of middle to largest variance of a line
+constexpr float kGapReach = 1.5F;  // largest distance of the next particle relative to the sweep's spacing
+constexpr float kOffPlane = 0.2F;  // largest distance from the plane relative to that distance
 
 struct Plane {
   enum class Kind { kNone, kLine, kPlane } kind = Kind::kNone;
@@ -53,7 +53,7 @@ PointSet means_of(const std::vector<SurfaceCell>& cells) {
   return out;
 }
 
-/// Points with a search tree over them, built once.
+/// Points with a search tree.
 class Cloud {
  public:
   explicit Cloud(const PointSet& points)
@@ -63,7 +63,7 @@ class Cloud {
   [[nodiscard]] Vector3f at(std::uint32_t i) const {
     return points_.position.col(static_cast<Eigen::Index>(i));
   }
-  /// Covariance of the `count` points nearest to p; zero for fewer than four, which always lie in a plane.
+  /// Covariance of the `count` points nearest to p; zero for fewer than four, which are always coplanar.
   [[nodiscard]] Eigen::Matrix3f covariance_around(const Vector3f& p, std::size_t count) const {
     std::array<std::uint32_t, kNeighbours.back()> index{};
     std::array<float, kNeighbours.back()> distance2{};
@@ -79,7 +79,7 @@ class Cloud {
     }
     return out / static_cast<float>(found);
   }
-  /// Mean distance to the nearest others of the point p of the cloud; +inf when there is none.
+  /// Mean distance from point p of the cloud to its nearest neighbours; +inf without any.
   [[nodiscard]] float spacing_m(const Vector3f& p) const {
     std::array<std::uint32_t, kSpacingNeighbours + 1> index{};
     std::array<float, kSpacingNeighbours + 1> distance2{};
@@ -99,7 +99,7 @@ class Cloud {
   PointTree tree_;
 };
 
-/// The two axes of a plane along which a sensor has sampled it, and how far apart a sweep's samples are.
+/// Sampling axes of a plane and the spacing of one sweep's samples along them.
 struct Lattice {
   Vector3f axis[2];
   float step_m[2];
@@ -149,12 +149,12 @@ class Shaper {
     return plane;
   }
 
-  /// How far the cell itself reaches along an axis: a square's side has its variance times 12.
+  /// Extent of the cell along an axis: the squared side of a uniform square is 12 times its variance.
   [[nodiscard]] float extent_m(const SurfaceCell& cell, const Vector3f& axis) const {
     return std::sqrt(12.0F * std::max(0.0F, axis.dot(cell.covariance * axis)) + voxel_m() * voxel_m());
   }
 
-  /// Distances to the next particles along both axes: the mean of those on either side; 0: none is there.
+  /// Distances to the next particles along both axes, the mean of both sides; 0: none.
   [[nodiscard]] std::array<float, 2> gaps_m(const SurfaceCell& cell,
                                             const Vector3f& normal,
                                             const Lattice& lattice) const {
