@@ -51,12 +51,12 @@ def work_of(rows, base, moving):
         return rows[f"{base}/{name}"]
     work = {stage: [row(f"{stage}/arithmetic") * 1e-3 if f"{base}/{stage}/arithmetic" in rows else 0.0, row(f"{stage}/traffic") * 1e-3]
             for stage in REACHED}
-    looked = row("pairs") * TILE_RAYS
+    looked = row("instances") * TILE_RAYS
     respond = RESPOND_WITH_ORIGINS if moving else RESPOND
     work["blend"][0] = looked * (respond + BLEND) * 1e-9
     work["blend_backward"][0] = looked * (respond + BLEND_BACKWARD) * 1e-9
     tiles = int(row("rays_in_tiles")) // TILE_RAYS
-    passes = row("visible") * sort_passes(RANGE_BITS) + row("pairs") * sort_passes(max(1, (tiles - 1).bit_length()))
+    passes = row("visible") * sort_passes(RANGE_BITS) + row("instances") * sort_passes(max(1, (tiles - 1).bit_length()))
     work["sort"][1] = passes * BYTES_PER_PAIR * 1e-9
     return work, tiles
 
@@ -83,9 +83,9 @@ def read_rows(file):
 
 
 def bases(rows):
-    found = sorted({name.rsplit("/", 1)[0] for name in rows if name.endswith("/pairs")})
+    found = sorted({name.rsplit("/", 1)[0] for name in rows if name.endswith("/instances")})
     if not found:
-        sys.exit("model.py: found no rows \"stages/.../pairs\", allowed what simuli bench --stages --json writes")
+        sys.exit("model.py: found no rows \"stages/.../instances\", allowed what simuli bench --stages --json writes")
     return found
 
 

@@ -201,12 +201,12 @@ std::vector<Row> run_stages(const std::string& device_request,
                     mega * frame.half_iqr / (frame.median * frame.median)});
     // What a model of another device needs (bench/gpu/model.py).
     for (const auto& [what, count] : {std::pair{"visible", std::size_t{buffers.binned.visible}},
-                                      {"pairs", std::size_t{buffers.binned.pairs}},
+                                      {"instances", std::size_t{buffers.binned.pairs}},
                                       {"rays_in_tiles", std::size_t{shaped.pass().frame().slots}}}) {
       rows.push_back({base + "/" + what, static_cast<double>(count), "1", 0.0});
     }
     const double without = Case(device, kind, options, no_ray_done).pairs_without_ray();
-    rows.push_back({base + "/pairs_without_ray", without, "%", 0.0});
+    rows.push_back({base + "/instances_without_ray", without, "%", 0.0});
   }
   return rows;
 }

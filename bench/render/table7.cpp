@@ -150,7 +150,7 @@ std::vector<Row> run_table7(const std::string& device_request, std::int64_t part
     const auto& a = ways.off.pass().buffers().binned;
     const auto& b = ways.on.pass().buffers().binned;
     rows.push_back({base + "particles_removed", removed(a.visible, b.visible), "%", 0.0});
-    rows.push_back({base + "pairs_removed", removed(a.pairs, b.pairs), "%", 0.0});
+    rows.push_back({base + "instances_removed", removed(a.pairs, b.pairs), "%", 0.0});
     if (!one.wants && one.span_rad == kTurn) {
       const std::uint32_t around = seen_between(device, street, 89.0, -89.0);
       const std::uint32_t within = seen_between(device, street, kTop_deg, kBottom_deg);
@@ -158,7 +158,7 @@ std::vector<Row> run_table7(const std::string& device_request, std::int64_t part
       rows.push_back({base + "particles_between_the_beams", removed(within, a.visible), "%", 0.0});
     }
     const double empty = in_empty_tiles(ways.on, ways.on.rays(), requested);
-    rows.push_back({base + "pairs_in_empty_tiles", empty, "%", 0.0});
+    rows.push_back({base + "instances_in_empty_tiles", empty, "%", 0.0});
   }
   return rows;
 }

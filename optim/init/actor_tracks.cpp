@@ -28,7 +28,7 @@ constexpr std::array<double, 12> kVoxel_m{0.8, 0.8, 0.8, 0.5, 0.5, 0.5, 0.3, 0.3
 constexpr std::size_t kLeast = 6;  // returns of a voxel with a surface
 constexpr double kSigma_m = 0.03;  // of a return from the surface
 constexpr double kCauchy = 3.0;       // standard deviations
-constexpr double kReturnsOfKey = 50;  // weight limit of a key pose, in returns: errors of neighbouring returns are correlated
+constexpr double kReturnsOfKey = 50;  // weight limit: errors of neighbouring returns are correlated
 constexpr std::size_t kReturnsOfPart = 1024;  // returns summed by one core
 
 /// The normal distribution of the returns in a voxel.

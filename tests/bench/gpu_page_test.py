@@ -19,7 +19,7 @@ BIN = pathlib.Path(sys.argv.pop(1))
 
 def rows(pairs):
     base = "stages/camera/"
-    out = {base + "visible": 90_000.0, base + "pairs": float(pairs), base + "rays_in_tiles": 230_400.0}
+    out = {base + "visible": 90_000.0, base + "instances": float(pairs), base + "rays_in_tiles": 230_400.0}
     for stage in model.REACHED:
         out[f"{base}{stage}/traffic"] = 30.0
     out[base + "project/arithmetic"] = out[base + "project_backward/arithmetic"] = 90.0
