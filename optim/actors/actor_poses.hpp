@@ -1,5 +1,5 @@
 #pragma once
-// Learns how far the key poses of actors are off (METHOD section 2).
+// Optimises the key poses of actors (METHOD section 2).
 #include <Eigen/Core>
 #include <span>
 #include <vector>
@@ -10,22 +10,22 @@
 
 namespace simuli {
 
-/// One particle set's optimiser of the key poses, which all sets share.
+/// The optimiser of key poses for one particle set; all sets share the poses.
 class ActorPoses {
  public:
   explicit ActorPoses(const PoseRates& rates) : rates_(rates) {}
   [[nodiscard]] bool learns() const { return rates_.learn; }
 
-  /// One step by the gradient of a frame, in the order of `actors`. A pose between two keys moves both by its
-  /// shares of them: for rotations this holds up to the turn from one key to the next. Only keys that the
-  /// frame has to do with move.
+  /// Takes one step with the gradients of a frame, in the order of `actors`. A pose between two keys moves both
+  /// by its interpolation weights, which holds for rotations up to the rotation between the keys. Only keys
+  /// used by the frame move.
   void step(std::vector<Actor>& actors,
             const std::vector<ActorPoseGradient>& gradients,
             double time_start_s,
             double time_end_s,
             double progress);
 
-  /// What a checkpoint holds of the optimiser: kNumbers for each key pose of `actors`, in their order.
+  /// Checkpoint state of the optimiser: kNumbers for each key pose of `actors`, in order.
   [[nodiscard]] std::vector<double> numbers(const std::vector<Actor>& actors) const;
   void set_numbers(const std::vector<Actor>& actors, std::span<const double> numbers);
 

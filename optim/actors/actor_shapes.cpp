@@ -17,22 +17,22 @@ constexpr double kFirstDecay = 0.9;
 constexpr double kSecondDecay = 0.999;
 constexpr double kLeastRoot = 1e-15;
 
-constexpr double kRate_m = 0.01;          // per step of Adam, at the start: a body's width in some ten steps
-constexpr double kShapeFinalShare = 0.1;  // of it, at the end
-constexpr double kInterval_s = 0.1;       // between knots in time: a fifth of a leg's swing
-/// Of its distance to the mean of its neighbours, in space and time, by which each offset goes there per step
-/// that moves it.
+constexpr double kRate_m = 0.01;  // initially, per step of Adam: some ten steps for a body's width
+constexpr double kShapeFinalShare = 0.1;  // final share of the rate
+constexpr double kInterval_s = 0.1;  // between knots in time: a fifth of a leg's swing
+/// Share of its distance to the mean of its neighbours, in space and time, by which an offset moves there with
+/// each step.
 constexpr double kSmooth = 0.01;
 
-/// Between two legs side by side there has to be a node, and one beyond each.
+/// Separate nodes for two legs and for the gap between them.
 constexpr std::array<int, 3> kNodes{3, 4, 6};
 
-/// Parts of the names that datasets have for them.
+/// Parts of the kind names used by datasets.
 constexpr std::array<std::string_view, 8> kNonRigid{
     "pedestrian", "person", "people", "cyclist", "bicycl", "rider", "walker", "animal"};
-/// Kinds that say nothing: what has been found, and "unknown".
+/// Kinds without information: found objects, and "unknown".
 constexpr std::array<std::string_view, 4> kUnreported{"", "moving", "unknown", "object"};
-/// m: the largest and the least of a person or a rider.
+/// Largest and smallest size in m of a pedestrian or a rider.
 constexpr double kLongest = 2.2, kWidest = 1.2, kLeastHeight = 0.9, kHighest = 2.2;
 
 }  // namespace
@@ -117,7 +117,8 @@ void ActorShapes::move(Deformation& shape,
   }
 }
 
-/// Apart from the gradient, as weight decay is: Adam would make as much of a small pull as of a large one.
+/// Separate from the gradient, like decoupled weight decay: Adam would take full steps for a small smoothing
+/// gradient.
 void ActorShapes::smooth(Deformation& shape, std::size_t knot) const {
   const auto [length, width, height] = shape.nodes;
   const std::size_t row = 3 * shape.node_count();

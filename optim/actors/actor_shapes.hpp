@@ -1,5 +1,5 @@
 #pragma once
-// Learns how actors that are not rigid change their shape (METHOD section 2).
+// Optimises the deformations of non-rigid actors (METHOD section 2).
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -9,34 +9,33 @@
 
 namespace simuli {
 
-/// By its kind, as labels have it; of a kind that says nothing by its size: as large as a person or a rider.
+/// Decides by the actor's kind; for kinds without information by the size of a pedestrian or a rider.
 [[nodiscard]] bool is_non_rigid(const Actor& actor);
 
-/// Gives those actors that are not rigid, and have none, a deformation of zeros for as long as their tracks
-/// last.
+/// Gives non-rigid actors without a deformation a zero deformation over the time of their tracks.
 void prepare_shapes(std::vector<Actor>& actors);
 
-/// One particle set's optimiser of the shapes, which all sets share.
+/// The optimiser of deformations for one particle set; all sets share the deformations.
 class ActorShapes {
  public:
   explicit ActorShapes(bool learns) : learns_(learns) {}
   [[nodiscard]] bool learns() const { return learns_; }
 
-  /// One step by the gradients of a frame, in the order of `actors`: knots that the frame has to do with
-  /// move, and are drawn to their neighbours. What is not finite moves nothing.
+  /// Takes one step with the gradients of a frame, in the order of `actors`: knots used by the frame move and
+  /// are smoothed. Non-finite gradients change nothing.
   void step(std::vector<Actor>& actors,
             const std::vector<DeformationGradient>& gradients,
             double time_start_s,
             double time_end_s,
             double progress);
 
-  /// What a checkpoint holds of the optimiser, by the deformations of `actors`, in their order.
+  /// Checkpoint state of the optimiser, by the deformations of `actors`, in order.
   [[nodiscard]] std::vector<double> numbers(const std::vector<Actor>& actors) const;
   void set_numbers(const std::vector<Actor>& actors, std::span<const double> numbers);
 
  private:
   struct Moments {
-    std::vector<double> first, second;  // as Deformation::offsets_m
+    std::vector<double> first, second;  // layout of Deformation::offsets_m
     std::vector<double> steps;          // [knots]
   };
   void move(Deformation& shape,

@@ -12,9 +12,9 @@ namespace simuli {
 namespace {
 
 constexpr std::size_t kMostReturns = 8'000;  // that a track is aligned to
-constexpr double kHeading_m = 1.5;           // least way that tells a heading
+constexpr double kHeading_m = 1.5;  // shortest path that determines a heading
 constexpr double kBoxMargin_m = 0.15;
-/// Velocities of single sweeps give the first track.
+/// The initial track comes from velocities of single sweeps.
 constexpr TrackPrior kPrior{
     .label_m = 0.5, .label_rad = 0.1, .acceleration_m_per_s2 = 3.0, .turn_rad_per_s2 = 0.5};
 
@@ -22,7 +22,7 @@ double ground_m(const SweepSeries& series, const Eigen::Vector3d& p) {
   return series.ground.height_m(p.x(), p.y()).value_or(p.z());
 }
 
-/// Heading of each key from the way around it, of standing ones as at the nearest time that they drove.
+/// Heading of each key from the path around it; for standing keys the heading of the nearest moving one.
 std::vector<double> headings_of(const std::vector<KeyPose>& track) {
   std::vector<double> out(track.size(), 0.0);
   std::vector<bool> known(track.size(), false);
@@ -67,7 +67,7 @@ double yaw_of(const Eigen::Quaterniond& q) {
   return std::atan2(x.y(), x.x());
 }
 
-/// Turns the body's frame so that it looks, in the median of the keys that drive, where it drives to.
+/// Rotates the body's frame so that x is the median driving direction of the moving keys.
 void face_forward(BodyTrack& track) {
   const std::vector<double> headings = headings_of(track.actor.track);
   std::vector<double> off;
@@ -84,7 +84,7 @@ void face_forward(BodyTrack& track) {
   for (int k = 0; k < 8; ++k) {
     box.extend(turn.conjugate() * track.box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(k)));
   }
-  // A small turn would blow a long box up: its sides stay as they were.
+  // A small rotation would enlarge a long box: its sides stay unchanged.
   if (std::abs(off_rad) > 0.2) track.box = box;
 }
 
@@ -175,7 +175,7 @@ std::vector<PointVotes> votes_along(const SweepSeries& series,
                                     const BodyTrack& track,
                                     const PointSet& p_body,
                                     std::size_t sweeps) {
-  std::vector<double> way{0.0};  // and a little for the time, so that what stands is asked, too
+  std::vector<double> way{0.0};  // plus a little per second, so that standing times are sampled, too
   constexpr double kStanding_m_per_s = 0.5;
   for (std::size_t k = 1; k < track.keys(); ++k) {
     const KeyPose &a = track.actor.track[k - 1], &b = track.actor.track[k];
@@ -191,7 +191,7 @@ std::vector<PointVotes> votes_along(const SweepSeries& series,
     asked = key;
     const Pose pose = track.actor.track[key].corrected();
     PointSet placed = p_body;
-    // Something long is looked at from end to end in a good part of the turn, and drives on meanwhile.
+    // A long object is swept during a good part of the revolution, and moves meanwhile.
     parallel_each(placed.size(), [&](std::size_t i) {
       const auto column = static_cast<Eigen::Index>(i);
       const Eigen::Vector3d p = p_body.position.col(column).cast<double>();

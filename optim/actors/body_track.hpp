@@ -1,6 +1,6 @@
 #pragma once
-// The track of one body as it is found: from a chain of clusters, aligned by what the laser measured, longer
-// in time and larger in space as the sweeps allow.
+// The track of one body during the search: initialised from a chain of clusters, registered by its returns, and
+// extended in time and space as far as the sweeps allow.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -12,12 +12,12 @@
 
 namespace simuli {
 
-/// Scene frame. The body's frame stands on the ground, x forward.
+/// A body in the scene frame. The body's frame stands on the ground, x forward.
 struct BodyTrack {
-  Actor actor;                      // the track alone; a key pose for each of `sweeps`
+  Actor actor;  // only its track; one key pose for each of `sweeps`
   std::vector<std::size_t> sweeps;  // strictly increasing
-  Eigen::AlignedBox3d box;          // of the body, in its frame, m
-  double above_ground_m = 0.0;      // of the frame's origin
+  Eigen::AlignedBox3d box;  // in the body's frame, m
+  double above_ground_m = 0.0;  // height of the frame's origin
 
   [[nodiscard]] std::size_t keys() const { return sweeps.size(); }
 };
@@ -30,14 +30,14 @@ struct BodyReturn {
   Eigen::Vector3d p_body = Eigen::Vector3d::Zero();
 };
 
-/// Returns that are taken already: [sweeps][points].
+/// Returns assigned to other bodies: [sweeps][points].
 using TakenReturns = std::vector<std::vector<bool>>;
 
-/// The track of a chain: positions by its velocities, heading along them.
+/// Returns the track of a chain: positions from its velocities, headings along them.
 [[nodiscard]] BodyTrack track_of(const SweepSeries& series, const ClusterChain& chain);
 
-/// Those of one sweep inside `box` of a body at a pose that holds for all times of the sweep when the body
-/// stands, and is carried along `actor`'s track when it drives.
+/// Returns the returns of one sweep inside `box` of a body at a constant pose for a standing body, or moved
+/// along `actor`'s track.
 [[nodiscard]] std::vector<BodyReturn> returns_of(const SweepSeries& series,
                                                  const BodyTrack& track,
                                                  std::size_t key,
@@ -48,22 +48,22 @@ using TakenReturns = std::vector<std::vector<bool>>;
                                                   const Eigen::AlignedBox3d& box,
                                                   const TakenReturns& taken);
 
-/// Corrects the key poses by the returns in the box (actor_tracks.hpp) and makes the corrections part of
-/// them; then turns the frame so that x is where the body drives to.
+/// Corrects the key poses by the returns in the box (actor_tracks.hpp) and applies the corrections; then
+/// rotates the frame so that x is the driving direction.
 void align(const SweepSeries& series, BodyTrack& track, const TakenReturns& taken);
 
-/// Sweeps' votes on points of the body, where it is when they look at it: `sweeps` of its keys that lie
-/// evenly along its way. p_body: [3, N]; [N] votes.
+/// Votes of sweeps on points of the body at its pose at the time of observation, by `sweeps` of its keys evenly
+/// spread along its path. p_body: [3, N]; returns [N] votes.
 [[nodiscard]] std::vector<PointVotes> votes_along(const SweepSeries& series,
                                                   const BodyTrack& track,
                                                   const PointSet& p_body,
                                                   std::size_t sweeps);
 
-/// Follows the body into the sweeps before its first and behind its last key, moving or not, as long as what
-/// is known of it is found there.
+/// Follows the body into the sweeps before its first and after its last key, moving or not, as long as its
+/// known surface is found there.
 void grow_in_time(const SweepSeries& series, BodyTrack& track, const TakenReturns& taken);
 
-/// Makes the box as large as what moves as the body does and hangs together with it.
+/// Enlarges the box to all connected points that move with the body.
 void grow_in_space(const SweepSeries& series,
                    BodyTrack& track,
                    const std::vector<std::vector<Motion>>& motion,

@@ -19,7 +19,7 @@ double at_share(std::vector<double> values, double share) {
   return *place;
 }
 
-/// Poses of the found actor in the label's frame, at the times of its keys within the label's.
+/// Poses of the found actor in the label's frame, at its key times within the label's duration.
 std::vector<Pose> common_poses(const Actor& label, const Actor& found) {
   std::vector<Pose> out;
   for (const KeyPose& key : found.track) {

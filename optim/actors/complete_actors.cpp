@@ -10,7 +10,7 @@
 namespace simuli {
 namespace {
 
-/// A label that a found actor is, as they were before anything was added.
+/// A label and its found actor, before additions.
 struct LabelOfFound {
   std::size_t label = 0;
   double first_s = 0.0, last_s = 0.0;
@@ -30,7 +30,7 @@ std::vector<LabelOfFound> labels_of(const Actor& found, const std::vector<Actor>
   return out;
 }
 
-/// Half of the least time from key to key: what is nearer to a label's end is at that end.
+/// Half of the shortest key interval: tolerance at a label's ends.
 double half_period_s(const Actor& actor) {
   double least_s = std::numeric_limits<double>::infinity();
   for (std::size_t k = 1; k < actor.track.size(); ++k)
@@ -38,7 +38,7 @@ double half_period_s(const Actor& actor) {
   return 0.5 * least_s;
 }
 
-/// The label that goes on at that time; none: one of them is there.
+/// The label that continues at that time; null when a label covers it.
 const LabelOfFound* going_on(const std::vector<LabelOfFound>& labels, double time_s, double apart_s) {
   const LabelOfFound* nearest = nullptr;
   double nearest_s = std::numeric_limits<double>::infinity();
@@ -86,7 +86,7 @@ CompletedActors complete_actors(std::vector<Actor> labelled, const FoundActors& 
       std::vector<KeyPose>& track = out.actors[label->label].track;
       const auto place = std::lower_bound(
           track.begin(), track.end(), key.time_s, [](const KeyPose& k, double t) { return k.time_s < t; });
-      if (place != track.end() && place->time_s == key.time_s) continue;  // of another found one
+      if (place != track.end() && place->time_s == key.time_s) continue;  // from another found actor
       KeyPose added;
       added.time_s = key.time_s;
       added.world_from_actor = key.corrected() * label->found_from_label;

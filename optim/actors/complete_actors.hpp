@@ -1,5 +1,5 @@
 #pragma once
-// Labelled actors with what the labels leave out: actors without one, and the time before and after one.
+// Completes labelled actors: unlabelled actors, and times before and after a label.
 #include <cstddef>
 #include <vector>
 
@@ -9,16 +9,16 @@
 namespace simuli {
 
 struct CompletedActors {
-  std::vector<Actor> actors;  // the labelled ones in their order, then the added ones
-  std::size_t added = 0;      // found actors that have no label
-  std::size_t continued = 0;  // labels with poses before their first or behind their last that were found
+  std::vector<Actor> actors;  // the labelled actors in order, followed by the added ones
+  std::size_t added = 0;  // found actors without label
+  std::size_t continued = 0;  // labels extended by found poses before their start or after their end
 };
 
-/// Labels that stand are left out. `found` is told apart by match_actor(): what has no label is added under a
-/// name of its own; what has one is the label's, which stays as it is, and where it is seen before the label
-/// begins or after it ends, the label goes on there, at the found poses less the common offset of the two
-/// (labels end where cameras see an actor no longer, or where whoever labels lost it). Of several labels of one
-/// found actor the one next in time goes on.
+/// Removes labels of static objects. Matches `found` with labels by match_actor(): actors without label are
+/// added under a new name; where a found actor is seen before its label begins or after it ends, the label is
+/// extended by the found poses minus the offset common to both (labels end where cameras no longer see an
+/// actor, or where labellers lost it). Of several labels of one found actor the nearest in time is extended.
+/// Labelled poses do not change.
 [[nodiscard]] CompletedActors complete_actors(std::vector<Actor> labelled, const FoundActors& found);
 
 }  // namespace simuli

@@ -16,18 +16,18 @@
 namespace simuli {
 namespace {
 
-constexpr double kTakenShare = 0.5;    // of a chain, that it is of a body found before
-constexpr double kGrownBox_m = 0.3;    // of a box that is worth another look
-constexpr double kBodyMargin_m = 0.2;  // around a box, that is the body's
+constexpr double kTakenShare = 0.5;  // share of a chain inside a body found before, from which it is skipped
+constexpr double kGrownBox_m = 0.3;  // growth of a box that justifies another iteration
+constexpr double kBodyMargin_m = 0.2;  // margin around a box that belongs to the body
 constexpr std::size_t kSweepsOfAVote = 24;
-constexpr double kMostThroughABody = 0.12;     // of the votes on a body where its track has it
-constexpr double kLeastMovingShare = 0.1;      // of its returns
-constexpr double kLeastReturnsOfABody = 15.0;  // a sweep
-constexpr double kTopRows_rad = 0.012;         // below the highest row: about two rows
-constexpr double kVehicle_m = 4.0;             // height that roads allow a vehicle
+constexpr double kMostThroughABody = 0.12;  // share of see-through votes on a body along its track
+constexpr double kLeastMovingShare = 0.1;  // share of its returns
+constexpr double kLeastReturnsOfABody = 15.0;  // per sweep
+constexpr double kTopRows_rad = 0.012;  // below the highest row: about two rows
+constexpr double kVehicle_m = 4.0;  // legal height of vehicles
 const Eigen::Vector3d kLeastSize_m(0.5, 0.3, 0.8);
 
-/// The search, step by step: what the steps share.
+/// State of one search.
 class Search {
  public:
   Search(const Log& log, const FrameSelection& frames, const ActorFinding& options)
@@ -59,8 +59,8 @@ class Search {
  private:
   void follow(const ClusterChain& chain);
   [[nodiscard]] bool is_taken(const ClusterChain& chain) const;
-  /// Share of the votes that look through a body where its track has it, of which sweeps and returns tell enough and
-  /// enough moved, or with `moves` false did not; none of others.
+  /// Returns the share of see-through votes on a body along its track, if enough sweeps and returns vote and
+  /// enough returns moved (`moves`) or did not (!`moves`); no value otherwise.
   [[nodiscard]] std::optional<double> seen_through(const BodyTrack& track, bool moves) const;
   void judge(const Actor& label);
   [[nodiscard]] bool is_body(const BodyTrack& track) const;
@@ -155,7 +155,7 @@ void Search::judge(const Actor& label) {
   if (through && *through > kMostThroughABody) out_.standing.push_back(label.name);
 }
 
-/// Whether the body was always higher than the laser looks.
+/// Whether the body always extended above the LiDAR's field of view.
 bool Search::is_cut_above(const BodyTrack& track) const {
   constexpr std::size_t kLeast = 30, kHigh = 3;
   const LidarRow& top = series_.lidar.rows.front();
@@ -187,7 +187,7 @@ void Search::take(const BodyTrack& track) {
   }
 }
 
-/// In the world, centred in its box, and there at the times of held-out sweeps at its ends.
+/// Returns the actor in the world, centred in its box, extended over held-out sweeps at its ends.
 Actor Search::finished(BodyTrack track) const {
   Actor out = std::move(track.actor);
   out.kind = "moving";

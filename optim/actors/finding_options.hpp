@@ -1,20 +1,19 @@
 #pragma once
-// What the search for moving things is told, and what it says of itself.
+// Options and report of the search for moving objects.
 #include <cstddef>
 
 #include "host/core/base/allowed.hpp"
 
 namespace simuli {
 
-/// m, least way of what is found: a shorter one is no evidence beside labels, tracks and edges of shadows that
-/// are off by as much. Not measured.
+/// Shortest path of a found object in m: shorter ones are within the errors of labels, tracks and shadow edges.
 inline constexpr double kLeastFoundTravel_m = 2.0;
 
 struct ActorFinding {
   int min_sweeps = 8;
 };
 
-/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
+/// The setting keys with allowed values and help (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(ActorFinding& o, F&& field) {
   field("actors.min_sweeps",
@@ -23,14 +22,14 @@ constexpr void visit_fields(ActorFinding& o, F&& field) {
         "Sweeps that must see what is found. Lower it for short logs; higher: fewer false finds.");
 }
 
-/// What the search did.
+/// Counts of the search.
 struct FindReport {
   std::size_t sweeps = 0;          // searched
-  std::size_t moving_returns = 0;  // at places that other sweeps look through, of those above the ground
-  std::size_t chains = 0;          // of clusters that move from sweep to sweep
-  std::size_t actors = 0;          // found; of a drive that is cut, in each of its chunks
-  std::size_t added = 0;           // of them, without a label
-  std::size_t continued = 0;       // labels that go on where they had ended (complete_actors.hpp)
+  std::size_t moving_returns = 0;  // returns above the ground at positions that other sweeps see through
+  std::size_t chains = 0;  // chains of clusters that move from sweep to sweep
+  std::size_t actors = 0;  // found; for a drive in chunks summed over chunks
+  std::size_t added = 0;  // of these, without label
+  std::size_t continued = 0;  // labels extended in time (complete_actors.hpp)
   std::size_t returns_on_actors = 0;
   std::size_t moving_on_actors = 0;  // of moving_returns
   double seconds = 0.0;

@@ -1,4 +1,4 @@
-// How large a body is: what moves as it does and hangs together with what is known of it.
+// Extends a body's box to connected parts that move with it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,14 +14,14 @@ using Eigen::Vector3d;
 using BodyCell = std::array<int, 3>;
 
 constexpr double kBodyVoxel_m = 0.4;
-const Vector3d kReach_m(6.0, 1.0, 1.0);  // beyond the box, in one round
+const Vector3d kReach_m(6.0, 1.0, 1.0);  // beyond the box, per round
 constexpr int kGrowthRounds = 5;
-constexpr double kGrown_m = 0.3;                  // less than that is the end
-constexpr std::size_t kVotingSweeps = 12;         // of those that saw the body
-constexpr std::size_t kVotersOfAVoxel = 12;       // returns of a voxel that are voted on
+constexpr double kGrown_m = 0.3;  // smaller growth ends the iteration
+constexpr std::size_t kVotingSweeps = 12;  // sweeps that vote, of those that saw the body
+constexpr std::size_t kVotersOfAVoxel = 12;  // returns of a voxel that are voted on
 constexpr std::size_t kLeastReturnsOfAVoxel = 3;  // of a voxel
-constexpr int kGapX = 2, kGapY = 1, kGapZ = 2;    // empty voxels are crossed on the way: windows, a coupling
-constexpr double kStray = 0.004;                  // share of the returns that a side of the box leaves out
+constexpr int kGapX = 2, kGapY = 1, kGapZ = 2;  // empty voxels that may be bridged: windows, a coupling
+constexpr double kStray = 0.004;  // share of the returns outside each side of the box
 
 struct Voxel {
   std::size_t returns = 0, standing = 0;
@@ -34,7 +34,7 @@ BodyCell cell_of(const Vector3d& p) {
   return {c.x(), c.y(), c.z()};
 }
 
-/// Voxels around a box that move as the body does.
+/// Voxels around a box that move with the body.
 class Growth {
  public:
   Growth(const SweepSeries& series,
@@ -73,7 +73,7 @@ class Growth {
     }
   }
 
-  /// Box of the voxels that can be reached from the known ones.
+  /// Box of the voxels connected to the known ones.
   [[nodiscard]] Eigen::AlignedBox3d box() const {
     std::set<BodyCell> reached;
     std::vector<BodyCell> open;
@@ -103,7 +103,7 @@ class Growth {
   }
 
  private:
-  /// What is known to stand may be a side that slides along itself, but only where the body passes anyway.
+  /// A voxel that seems static may be a side that slides along itself, but only where the body passes anyway.
   [[nodiscard]] bool moves_along(const BodyCell& cell, const Voxel& v) const {
     const std::size_t sweeps = std::clamp<std::size_t>(track_.keys() / 6, 2, 5);
     if (v.returns < kLeastReturnsOfAVoxel || v.sweeps.size() < sweeps) return false;

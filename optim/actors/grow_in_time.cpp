@@ -1,4 +1,4 @@
-// Following a body where nothing of it moves, or too little is seen of it for a cluster.
+// Follows a body through sweeps where it stands, or where too few returns show it for a cluster.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
@@ -18,22 +18,22 @@ using Eigen::Vector3d;
 
 constexpr double kVoxel_m = 0.5;
 constexpr std::size_t kLeastOfVoxel = 5;
-constexpr double kSigma_m = 0.05;       // of a return about the surface
+constexpr double kSigma_m = 0.05;  // of a return from the surface
 constexpr double kCauchy = 3.0;         // standard deviations
-constexpr double kReturnsHeard = 60.0;  // neighbouring returns err alike
-constexpr double kAcceleration = 4.0;   // m/s^2, of the prediction
-constexpr double kTurn_rad = 0.02;      // of the prediction, standard deviation
+constexpr double kReturnsHeard = 60.0;  // weight limit in returns: errors of neighbours are correlated
+constexpr double kAcceleration = 4.0;  // m/s^2, standard deviation of the prediction
+constexpr double kTurn_rad = 0.02;  // standard deviation of the predicted heading
 constexpr int kRounds = 12;
 constexpr double kMargin_m = 0.3;  // around the box
 constexpr std::size_t kLeastReturns = 10;
-constexpr double kLeastOfLast = 0.2;     // of the returns of the sweeps before
-constexpr double kLeastExplained = 0.5;  // of the returns, by the model
+constexpr double kLeastOfLast = 0.2;  // share of the returns of the previous sweeps
+constexpr double kLeastExplained = 0.5;  // share of the returns explained by the model
 constexpr double kExplained_m = 0.25;
-constexpr double kMostThrough = 0.25;   // of the votes of a sweep on the body
-constexpr std::size_t kMostMissed = 3;  // sweeps without the body, before it is given up
+constexpr double kMostThrough = 0.25;  // share of a sweep's see-through votes on the body
+constexpr std::size_t kMostMissed = 3;  // sweeps without the body before tracking ends
 constexpr std::size_t kVoters = 400;
 
-/// What is known of the body's surface: a normal distribution per voxel.
+/// Surface of the body: a normal distribution per voxel.
 class Surface {
  public:
   void add(const Vector3d& p) {
@@ -69,7 +69,7 @@ class Surface {
   std::map<Cell, Voxel> voxels_;
 };
 
-/// One direction of time.
+/// Tracking in one direction of time.
 class Follower {
  public:
   Follower(const SweepSeries& series, BodyTrack& track, const TakenReturns& taken)
@@ -96,7 +96,7 @@ class Follower {
   }
 
  private:
-  /// Where the body would be at a time, as its last keys moved.
+  /// Predicted pose of the body at a time, from its last keys.
   [[nodiscard]] Pose predicted(double time_s, bool forward) const {
     const std::vector<KeyPose>& keys = track_.actor.track;
     const std::size_t reach = std::min<std::size_t>(3, keys.size() - 1);
@@ -113,7 +113,7 @@ class Follower {
     return out;
   }
 
-  /// Adds a key for the sweep when the body is found there.
+  /// Adds a key for the sweep if the body is found there.
   bool follow(std::size_t sweep, bool forward) {
     std::vector<KeyPose>& keys = track_.actor.track;
     KeyPose key;
@@ -142,7 +142,7 @@ class Follower {
     return true;
   }
 
-  /// One step of Gauss-Newton of x, y and heading; false: nothing to step on.
+  /// One Gauss-Newton step of x, y and heading; false without equations.
   bool step(std::size_t at, const Pose& expected, double gap_s) {
     const std::vector<BodyReturn> here = returns_of(series_, track_, at, box_, taken_);
     if (here.size() < kLeastReturns) return false;
@@ -156,7 +156,7 @@ class Follower {
       const Vector3d off = r.p_body - normal->mean;
       const Vector3d pulled = normal->inverse * off;
       const double weight = 1.0 / (1.0 + off.dot(pulled) / (kCauchy * kCauchy));
-      // p_body = R^T (p - c): by a shift of c in x and y, and a turn about z through c.
+      // Derivative of p_body = R^T (p - c) by a shift of c in x and y, and by a rotation about z through c.
       const Vector3d from_centre = series_.sweeps[track_.sweeps[at]].position(r.point) - pose.translation;
       Matrix3d slope;
       slope.col(0) = -body_from_scene.col(0);
@@ -195,14 +195,14 @@ class Follower {
       const auto normal = surface_.at(r.p_body);
       if (!normal) continue;
       const Vector3d off = r.p_body - normal->mean;
-      // Along the surface's normal: off^T C^-1 off <= (kExplained / sigma)^2 where it is thin.
+      // Distance along the surface's normal: off^T C^-1 off <= (kExplained / sigma)^2 for thin surfaces.
       explained += off.dot(normal->inverse * off) <= std::pow(kExplained_m / kSigma_m, 2) ? 1U : 0U;
     }
     if (static_cast<double>(explained) < kLeastExplained * static_cast<double>(here.size())) return false;
     return is_not_looked_through(at, forward);
   }
 
-  /// The body as the sweeps next to this one saw it, voted on by this one.
+  /// Tests the body, as the neighbouring sweeps saw it, by the votes of this sweep.
   [[nodiscard]] bool is_not_looked_through(std::size_t at, bool forward) const {
     std::vector<BodyReturn> known;
     for (std::size_t k = 1; k <= 3 && k < track_.keys(); ++k) {
@@ -230,7 +230,7 @@ class Follower {
   BodyTrack& track_;
   const TakenReturns& taken_;
   Surface surface_;
-  std::vector<std::size_t> counts_;  // returns of each key
+  std::vector<std::size_t> counts_;  // of each key
   Eigen::AlignedBox3d box_;
 };
 

@@ -6,15 +6,15 @@
 namespace simuli {
 namespace {
 
-/// Sweeps away in time: near ones for what is fast, far ones for what is slow.
+/// Offsets in sweeps: near ones for fast objects, far ones for slow objects.
 constexpr std::array<std::size_t, 8> kSteps{1, 2, 3, 5, 7, 10, 14, 19};
-constexpr int kLeast = 3;  // sweeps that must agree
+constexpr int kLeast = 3;  // number of agreeing sweeps
 
-/// The words of the sweeps on one side, from near to far.
+/// Votes of the sweeps on one side, from near to far.
 struct Side {
   std::uint8_t through = 0;
   std::uint8_t there = 0;
-  std::uint8_t last_through = 0;  // since a sweep last met something
+  std::uint8_t last_through = 0;  // since a sweep last hit something
 
   void add(const PointVotes& vote) {
     if (vote.through > 0) {

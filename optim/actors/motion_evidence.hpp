@@ -1,5 +1,5 @@
 #pragma once
-// Which returns were on something that moved, as the sweeps shortly before and after tell.
+// Classifies returns as moving or static by the sweeps shortly before and after.
 #include <cstdint>
 #include <vector>
 
@@ -8,14 +8,14 @@
 namespace simuli {
 
 enum class Motion : std::uint8_t {
-  kUnknown,  // too few sweeps tell
-  kStands,   // was there before and afterwards
-  kMoves     // other sweeps look through where it was
+  kUnknown,  // too few votes
+  kStands,  // present before and afterwards
+  kMoves  // other sweeps see through its position
 };
 
-/// [sweeps][points]: each return, by up to 8 sweeps on either side within about 2.5 s at 10 Hz. It moves
-/// when on one side three sweeps and more look through its place and hardly any finds something there, or
-/// all do from some sweep on, going away in time: it came, or left.
+/// Classifies [sweeps][points] by up to 8 sweeps on either side, within about 2.5 s at 10 Hz. A return moves if
+/// on one side at least three sweeps see through its position and hardly any hits something there, or all do
+/// from some sweep on with increasing time distance: it arrived, or left.
 [[nodiscard]] std::vector<std::vector<Motion>> motion_evidence(const SweepSeries& series);
 
 }  // namespace simuli

@@ -16,18 +16,18 @@ using ClusterCell = std::array<int, 2>;
 
 constexpr double kCell_m = 0.4;
 constexpr std::size_t kLeastMoving = 6;
-constexpr double kLeastShare = 0.25;  // of a cluster, that moves
+constexpr double kLeastShare = 0.25;  // smallest share of moving points of a cluster
 
 constexpr double kFastest_m_per_s = 45.0;
-constexpr std::size_t kFarSweeps = 3;  // either way, that a velocity is fitted to
-constexpr std::size_t kSample = 96;    // points of a cluster that are moved
+constexpr std::size_t kFarSweeps = 3;  // on either side, for velocity fits
+constexpr std::size_t kSample = 96;  // points of a cluster used for fits
 constexpr std::array<double, 8> kClusterReach_m{1.2, 1.2, 0.9, 0.9, 0.6, 0.6, 0.4, 0.4};
 constexpr double kAgrees_m = 0.35;
-constexpr std::size_t kRefined = 3;  // candidates of a cluster that are worth a fit
+constexpr std::size_t kRefined = 3;  // candidates of a cluster that are refined
 
 constexpr double kLeastAgreement = 0.45;
-constexpr double kSlowest_m_per_s = 0.5;  // slower ones are not told from noise here
-constexpr double kLinkShare = 0.3;        // of a cluster's points that its successor must have
+constexpr double kSlowest_m_per_s = 0.5;  // slower velocities are not significant
+constexpr double kLinkShare = 0.3;  // smallest share of common points of successive clusters
 constexpr double kLink_m = 0.6;
 constexpr std::size_t kShortestChain = 4;
 
@@ -48,7 +48,7 @@ MovingCluster cluster_of(const SeriesSweep& sweep, std::size_t index, std::vecto
   return out;
 }
 
-/// Neighbour search among the points of every sweep.
+/// Search trees of the points of every sweep.
 class Trees {
  public:
   explicit Trees(const SweepSeries& series) {
@@ -60,7 +60,7 @@ class Trees {
     parallel_each(
         trees_.size(), [&](std::size_t i) { trees_[i]->buildIndex(); }, 1);
   }
-  /// Nearest point of a sweep within reach_m; none of an empty sweep.
+  /// Returns the nearest point of a sweep within reach_m; no value in an empty sweep.
   [[nodiscard]] std::optional<std::uint32_t> nearest(std::size_t sweep,
                                                      const Eigen::Vector3d& p,
                                                      double reach_m) const {
@@ -79,7 +79,7 @@ class Trees {
   std::vector<std::unique_ptr<PointTree>> trees_;
 };
 
-/// A cluster's points carried along velocities to the sweeps around.
+/// Predicts a cluster's points in the surrounding sweeps by candidate velocities.
 class VelocityFit {
  public:
   VelocityFit(const SweepSeries& series, const Trees& trees, const MovingCluster& cluster)
@@ -88,7 +88,7 @@ class VelocityFit {
     for (std::size_t k = 0; k < cluster.points.size(); k += step) sample_.push_back(cluster.points[k]);
   }
 
-  /// Share of the points that the sweeps within `far` have where the velocity takes them.
+  /// Share of the points that the sweeps within `far` confirm at their predicted positions.
   [[nodiscard]] double agreement(const Eigen::Vector2d& velocity, std::size_t far) const {
     std::size_t met = 0, all = 0;
     each_match(velocity,
@@ -119,7 +119,7 @@ class VelocityFit {
   }
 
  private:
-  /// take(after_s, found or nullptr, expected) for each point and sweep.
+  /// Calls take(after_s, found or nullptr, expected) for each point and sweep.
   template <class F>
   void each_match(const Eigen::Vector2d& velocity, std::size_t far, double reach_m, const F& take) const {
     const std::size_t first = index_ > far ? index_ - far : 0;
@@ -133,7 +133,7 @@ class VelocityFit {
         Eigen::Vector3d expected = p;
         expected.head<2>() += after_s * velocity;
         const auto nearest = trees_.nearest(other, expected, reach_m + 1.0);
-        if (nearest) {  // at its own time, the search was for the middle of the sweep
+        if (nearest) {  // at its own time; the search used the middle of the sweep
           after_s = there.time_s(*nearest) - sweep_.time_s(i);
           expected = p;
           expected.head<2>() += after_s * velocity;
@@ -160,7 +160,7 @@ void find_velocity(const SweepSeries& series,
   std::vector<std::pair<double, Eigen::Vector2d>> candidates;
   for (const std::size_t step : {std::size_t{1}, std::size_t{2}}) {
     for (const std::size_t other : {cluster.sweep - step, cluster.sweep + step}) {
-      if (other >= clusters.size()) continue;  // below 0, too
+      if (other >= clusters.size()) continue;  // also below 0
       for (const MovingCluster& to : clusters[other]) {
         const Eigen::Vector2d velocity = (to.mean - cluster.mean).head<2>() / (to.time_s - cluster.time_s);
         if (!(velocity.norm() < kFastest_m_per_s)) continue;
@@ -184,7 +184,7 @@ bool is_sure(const MovingCluster& c) {
   return c.agreement >= kLeastAgreement && c.velocity_m_per_s.norm() >= kSlowest_m_per_s;
 }
 
-/// Share of a's points that b has where a's velocity takes them.
+/// Share of a's points that b has at the positions predicted by a's velocity.
 double link_share(const SweepSeries& series, const MovingCluster& a, const MovingCluster& b) {
   if ((a.velocity_m_per_s - b.velocity_m_per_s).norm() > std::max(1.5, 0.3 * a.velocity_m_per_s.norm()))
     return 0.0;

@@ -3,8 +3,8 @@
 
 namespace simuli {
 
-/// Learning of actors' key poses: steps of Adam at the start, which fall exponentially to final_share of that.
-/// Four times these win back, alone, 16 % of 25 cm of noise and -8.5 % of that in turn (`bench --actors`).
+/// Learning rates of actors' key poses per step of Adam, decaying exponentially to final_share
+/// (docs/DECISIONS.md, "Actors").
 struct PoseRates {
   bool learn = false;
   double shift_m = 0.005;

@@ -1,5 +1,5 @@
 #pragma once
-// Adam on a few numbers that the host holds.
+// Adam for a few numbers on the host.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,14 +8,14 @@
 
 namespace simuli {
 
-/// N numbers with their optimiser. Without pointers, so that checkpoints store it as it is.
+/// N numbers and their moments. Without pointers, so that checkpoints store it directly.
 template <std::size_t N>
 struct SmallAdam {
   std::array<double, N> value{};
   std::array<double, N> first{}, second{};
   std::uint64_t steps = 0;
 
-  /// A step of Adam, rate[i] of value[i]. A gradient that is not finite moves nothing.
+  /// Takes a step with rate[i] for value[i]. Non-finite gradients change nothing.
   void step(const std::array<double, N>& gradient, const std::array<double, N>& rate) {
     constexpr double kBeta1 = 0.9, kBeta2 = 0.999, kEpsilon = 1e-15;
     if (!std::all_of(gradient.begin(), gradient.end(), [](double g) { return std::isfinite(g); })) return;

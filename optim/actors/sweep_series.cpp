@@ -14,7 +14,7 @@ namespace simuli {
 namespace {
 
 constexpr double kFarthest_m = 70.0;
-constexpr double kLowest_m = 0.3;  // above the ground: lower, rays meet the road
+constexpr double kLowest_m = 0.3;  // above the ground; lower rays hit the road
 
 const Lidar* finest_lidar(const Log& log) {
   const Lidar* finest = nullptr;
@@ -35,7 +35,7 @@ std::uint64_t voxel_of(const Eigen::Vector3d& p) {
   return key;
 }
 
-/// Takes the first return of each voxel.
+/// Keeps the first return of each voxel.
 void take_returns(const PosedSweep& posed, SeriesSweep& out) {
   std::unordered_set<std::uint64_t> taken;
   std::vector<Eigen::Vector3f> kept;

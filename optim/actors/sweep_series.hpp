@@ -1,5 +1,5 @@
 #pragma once
-// The sweeps of one LiDAR in the scene: what stands above the ground, and what each looked through.
+// The sweeps of one LiDAR in the scene: their returns above the ground, and their rays for votes.
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
@@ -13,18 +13,18 @@
 
 namespace simuli {
 
-/// Above the ground: nothing on a road is higher.
+/// Height above the ground that no road vehicle exceeds.
 inline constexpr double kHighest_m = 4.7;
 
-/// One sweep: its firing grid as votes need it, and its returns that may be on something that drives.
+/// One sweep: its firing grid for votes, and its returns that may belong to moving objects.
 struct SeriesSweep {
   double time_start_s = 0.0;
   double time_end_s = 0.0;
   Pose scene_from_lidar_start;
   Pose scene_from_lidar_end;
-  Sweep seen;                        // ranges alone
-  PointSet points;                   // [N] above the ground, one of each voxel of kThin_m
-  std::vector<float> time_fraction;  // [N] of the sweep
+  Sweep seen;  // only ranges
+  PointSet points;  // [N] above the ground, one per voxel of kThin_m
+  std::vector<float> time_fraction;  // [N] share of the sweep
 
   [[nodiscard]] double time_s(std::size_t point) const {
     return time_start_s + static_cast<double>(time_fraction[point]) * (time_end_s - time_start_s);
@@ -39,17 +39,17 @@ struct SeriesSweep {
 struct SweepSeries {
   Lidar lidar;
   Eigen::Vector3d scene_origin = Eigen::Vector3d::Zero();
-  std::vector<SeriesSweep> sweeps;  // by time
+  std::vector<SeriesSweep> sweeps;  // sorted by time
   GroundMap ground;
 
-  /// Lets sweep `index` vote on points of the scene (initialize_moving.hpp).
+  /// Adds the votes of sweep `index` on points of the scene (initialize_moving.hpp).
   void vote(std::size_t index, const PointSet& points, std::vector<PointVotes>& votes) const;
-  /// When sweep `index` looks towards a point of the scene, s.
+  /// Time in s at which sweep `index` passes the direction of a point of the scene.
   [[nodiscard]] double looks_at_s(std::size_t index, const Eigen::Vector3d& p_scene) const;
 };
 
-/// The training sweeps of the log's LiDAR with rows that has most rays; none where no LiDAR has rows: a list
-/// has no neighbouring rays to look through. Error{kInput} when a sweep can't be read.
+/// Loads the training sweeps of the LiDAR with rows that has most rays; empty without such a LiDAR, because ray
+/// lists have no known neighbours. Throws Error{kInput} when a sweep cannot be read.
 [[nodiscard]] SweepSeries load_series(const Log& log, const HeldOutRule& rule);
 
 }  // namespace simuli

@@ -1,5 +1,5 @@
 #pragma once
-// Which pixels and rays of a frame look at an actor: the part of the metrics that is about what moves.
+// Pixels and rays of a frame that belong to actors, for scores of moving objects.
 #include <vector>
 
 #include "host/core/sensors/camera.hpp"
@@ -8,10 +8,10 @@
 
 namespace simuli {
 
-/// [height][width]: the actor whose box the pixel's ray meets first, whatever stands before it; kNone: none.
+/// [height][width]: the actor whose box the pixel's ray enters first, ignoring occluders; kNone without one.
 [[nodiscard]] std::vector<int> pixels_on_actors(const ActorBoxes& boxes, const Camera& camera);
 
-/// [rays]: the actor whose box the ray's recorded return is in; kNone: none. range: [rays] m, 0 for no
+/// [rays]: the actor whose box contains the ray's recorded return; kNone without one. range: [rays] m, 0 for no
 /// return.
 [[nodiscard]] std::vector<int> returns_on_actors(const ActorBoxes& boxes,
                                                  const LidarModel& lidar,

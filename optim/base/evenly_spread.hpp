@@ -5,7 +5,7 @@
 
 namespace simuli {
 
-/// At most `most` of them, in their order, evenly spread.
+/// Returns at most `most` elements in order, evenly spread.
 [[nodiscard]] inline std::vector<std::size_t> evenly_spread(const std::vector<std::size_t>& all,
                                                             std::size_t most) {
   const std::size_t count = std::min(all.size(), most);
@@ -14,7 +14,7 @@ namespace simuli {
   return some;
 }
 
-/// Those of `all`, indices into `frames`, whose frame is_own(frame), in their order.
+/// Returns the indices of `all` into `frames` whose frame is_own(frame), in order.
 template <class Frame, class IsOwn>
 [[nodiscard]] std::vector<std::size_t> own_of(const std::vector<std::size_t>& all,
                                               const std::vector<Frame>& frames,

@@ -1,5 +1,5 @@
-// FLIP of optim/base/metrics.hpp: Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astroem, Fairchild: FLIP: A Difference
-// Evaluator for Alternating Images, PACMCGIT 3(2), 2020. Sections named below are its.
+// FLIP of optim/base/metrics.hpp: Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astroem, Fairchild: FLIP: A
+// Difference Evaluator for Alternating Images, PACMCGIT 3(2), 2020. Comments cite its sections.
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ using Plane = Eigen::ArrayXXf;  // [width, height]
 using Planes = std::array<Plane, 3>;
 using Kernel = std::vector<float>;
 
-// Whoever looks at 3840 px on 0.7 m from 0.7 m away.
+// Viewing conditions: 3840 px on 0.7 m from a distance of 0.7 m.
 constexpr double kPixelsPerDegree = 3840.0 * pi / 180.0;
 
 Kernel kernel_of(int radius, const std::function<double(double)>& at) {
@@ -30,7 +30,7 @@ Kernel kernel_of(int radius, const std::function<double(double)>& at) {
   return out;
 }
 
-/// What is positive adds up to 1, and what is negative to -1.
+/// Scales positive weights to a sum of 1, and negative weights to -1.
 Kernel normalized(Kernel kernel) {
   float above = 0.0F, below = 0.0F;
   for (const float k : kernel) (k > 0.0F ? above : below) += std::fabs(k);
@@ -38,7 +38,7 @@ Kernel normalized(Kernel kernel) {
   return kernel;
 }
 
-/// The border goes on outside.
+/// Extends the border.
 Plane along_second(const Plane& in, const Kernel& kernel) {
   Interruption::ask();
   Plane out = Plane::Zero(in.rows(), in.cols());
@@ -64,7 +64,7 @@ Planes times(const Eigen::Matrix3d& m, const Planes& in) {
   return out;
 }
 
-/// X, Y, Z over those of white, from linear RGB of sRGB's primaries.
+/// X, Y, Z relative to white, from linear RGB with sRGB primaries.
 Eigen::Matrix3d xyz_from_rgb() {
   Eigen::Matrix3d m;
   m << 10135552.0 / 24577794.0, 8788810.0 / 24577794.0, 4435075.0 / 24577794.0,  //
@@ -73,14 +73,14 @@ Eigen::Matrix3d xyz_from_rgb() {
   return m.rowwise().sum().cwiseInverse().asDiagonal() * m;
 }
 
-/// Y, X - Y, Y - Z: the opponent space YCzCx but for its factors, of which the filters take no notice.
+/// Y, X - Y, Y - Z: the opponent space YCzCx up to factors, which do not affect the filters.
 Eigen::Matrix3d opponent_from_rgb() {
   Eigen::Matrix3d m;
   m << 0, 1, 0, 1, -1, 0, 0, 1, -1;
   return m * xyz_from_rgb();
 }
 
-/// L*, and a* and b* as Hunt has them: less in the dark (4.1.3).
+/// L*, and a* and b* with the Hunt adjustment, which lowers them in the dark (4.1.3).
 Planes lab_of(const Planes& rgb) {
   Planes f = times(xyz_from_rgb(), rgb);
   constexpr float kDelta = 6.0F / 29.0F;
@@ -96,7 +96,7 @@ Plane hyab(const Planes& a, const Planes& b) {
   return (a[0] - b[0]).abs() + ((a[1] - b[1]).square() + (a[2] - b[2]).square()).sqrt();
 }
 
-/// What an eye sees from there (4.1.1): the opponent channels through contrast sensitivity, as linear RGB.
+/// Filters opponent channels by contrast sensitivity (4.1.1); returns linear RGB.
 Planes seen(const Planes& opponent) {
   struct Gaussian {
     double a, b;
@@ -124,7 +124,7 @@ Planes seen(const Planes& opponent) {
   return out;
 }
 
-/// Sizes of edges and of points in lightness (4.2).
+/// Magnitudes of edges and of points in lightness (4.2).
 std::array<Plane, 2> features(const Plane& lightness) {
   constexpr double kSigma_px = 0.5 * 0.082 * kPixelsPerDegree;
   const int radius = static_cast<int>(std::ceil(3.0 * kSigma_px));
@@ -142,7 +142,7 @@ std::array<Plane, 2> features(const Plane& lightness) {
   return out;
 }
 
-/// Linear RGB; black where `truth` is not known.
+/// Linear RGB; black where `truth` is unknown.
 Planes linear(const Image& image, const Image& truth) {
   Planes out;
   for (int k = 0; k < 3; ++k) {
@@ -156,7 +156,7 @@ Planes linear(const Image& image, const Image& truth) {
   return out;
 }
 
-/// How far apart colours are, 0 to 1 (4.1.4): what is most of what colours can be far apart is less so.
+/// Colour differences from 0 to 1 (4.1.4), compressed near the largest possible difference.
 Plane colour_errors(const Planes& a, const Planes& b) {
   constexpr float kPower = 0.7F, kBend = 0.4F, kBentTo = 0.95F;
   const Plane zero = Plane::Zero(1, 1), one = Plane::Ones(1, 1);

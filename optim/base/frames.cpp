@@ -21,12 +21,12 @@ Camera scaled_camera(const Camera& camera, double scale) {
                     scale,
                     kLargestSide_px));
   }
-  // A hair less, so that 0.1 * 1240 is 124 and not 125.
+  // Slightly reduced, so that 0.1 * 1240 gives 124 and not 125.
   const auto side = [scale](int px) { return std::max(1, static_cast<int>(std::ceil(px * scale - 1e-9))); };
   return camera.resized(side(camera.width), side(camera.height));
 }
 
-/// The picture as its file has it, `scaled`'s size.
+/// Reads the picture from its file at `scaled`'s size.
 static Image read_scaled(const std::filesystem::path& file, const Camera& model, const Camera& scaled) {
   Image image = read_image(file, model.width, model.height, "camera " + model.name);
   if (scaled.width == image.width && scaled.height == image.height) return image;

@@ -1,6 +1,6 @@
 #pragma once
-// Frames of a log as training and evaluation see them: pictures at one scale, views from the scene origin,
-// LiDAR truth beside its measured rays.
+// Frames of a log for training and evaluation: pictures at one scale, views relative to the scene origin, LiDAR
+// measurements with their rays.
 #include <array>
 #include <cstddef>
 #include <string>
@@ -14,27 +14,28 @@
 
 namespace simuli {
 
-/// The camera with sides of ceil(scale * side) pixels. Error{kUsage} unless they are 1 to 65 536.
+/// Returns the camera with sides of ceil(scale * side) pixels. Throws Error{kUsage} unless they are 1 to 65
+/// 536.
 [[nodiscard]] Camera scaled_camera(const Camera& camera, double scale);
 
-/// The picture of `frame`, averaged down to the size of `scaled` (scaled_camera of the frame's camera);
-/// kHiddenValue wherever the camera's masks hide anything.
-/// Error{kInput} when the file's size is not the log camera's, Error{kUsage} when `scaled` is larger.
+/// Returns the picture of `frame`, averaged to the size of `scaled` (scaled_camera of the frame's camera), with
+/// kHiddenValue in masked pixels. Throws Error{kInput} when the file's size differs from the log camera's,
+/// Error{kUsage} when `scaled` is larger.
 [[nodiscard]] Image load_image(const Log& log, const ImageFrame& frame, const Camera& scaled);
 
-/// Says that these are loaded next at that scale, in this order (log.files).
+/// Announces the next frames at that scale, in order (log.files).
 void expect(const Log& log, const std::vector<const ImageFrame*>& frames, double image_scale);
-/// What load_image() reads of a frame's file.
+/// Returns the files that load_image() reads for a frame.
 [[nodiscard]] FrameFiles::Wish wish_of(const Log& log, const ImageFrame& frame, const Camera& scaled);
 
-/// Where the frame's sensor was when it was taken.
+/// Returns the shot of a recorded frame.
 [[nodiscard]] Shot shot_of(const Log& log, const ImageFrame& frame);
 [[nodiscard]] Shot shot_of(const Log& log, const SweepFrame& frame);
-/// The same as the scene's renderer takes it.
+/// Returns the view of a recorded frame for the scene's renderer.
 [[nodiscard]] View view_of(const Log& log, const Scene& scene, const ImageFrame& frame);
 [[nodiscard]] View view_of(const Log& log, const Scene& scene, const SweepFrame& frame);
 
-/// The channels of an interleaved picture, one behind the other: [3][height][width].
+/// Returns the channels of an interleaved picture as planes: [3][height][width].
 [[nodiscard]] std::vector<float> planar(const Image& image);
 
 }  // namespace simuli

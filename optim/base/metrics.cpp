@@ -16,12 +16,11 @@ constexpr double kDropThreshold = 0.5;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr char kWhere[] = "compare_sweep";
 
-/// Points in the form nanoflann reads. Double: single-precision squares of differences would lose the
-/// millimetres that the metric is about.
+/// Points for nanoflann. In double, because single-precision squared differences would lose millimetres.
 struct PointCloud {
   std::vector<Eigen::Vector3d> points;  // m
 
-  // The names are nanoflann's dataset interface.
+  // Names of nanoflann's dataset interface.
   [[nodiscard]] std::size_t kdtree_get_point_count() const { return points.size(); }
   [[nodiscard]] double kdtree_get_pt(std::size_t index, std::size_t axis) const {
     return points[index][static_cast<Eigen::Index>(axis)];
@@ -37,7 +36,7 @@ struct NeighbourSums {
   double distance_m = 0.0;
 };
 
-/// Sums over `from` of the exact distance to the nearest point of `to`, which is not empty.
+/// Sums over `from` of the exact distance to the nearest point of `to`, which must not be empty.
 NeighbourSums sum_nearest(const PointCloud& from, const PointCloud& to) {
   using Tree = nanoflann::
       KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, PointCloud>, PointCloud, 3, std::size_t>;
@@ -72,7 +71,7 @@ void check_sweep(const SweepComparison& sweep) {
     throw_input_error(kWhere, fmt::format("{}[{}]", field, ray), fmt::format("{}", found), allowed);
   };
   for (std::size_t i = 0; i < rays; ++i) {
-    // Non-finite values have no order: a median or a nearest neighbour of them would be arbitrary.
+    // Non-finite values have no order: medians and nearest neighbours would be arbitrary.
     if (!std::isfinite(sweep.range[i])) refuse(i, "range", sweep.range[i], "finite");
     if (!std::isfinite(sweep.intensity[i])) refuse(i, "intensity", sweep.intensity[i], "finite");
     if (!(sweep.drop[i] >= 0.0F && sweep.drop[i] <= 1.0F)) refuse(i, "drop", sweep.drop[i], "0 to 1");
@@ -87,7 +86,7 @@ void check_sweep(const SweepComparison& sweep) {
   }
 }
 
-/// How often rays are said to drop, and how often they do.
+/// Counts of predicted and of true ray drops.
 struct DropCounts {
   std::size_t rays = 0, dropped = 0, said = 0, found = 0;
 
@@ -98,7 +97,7 @@ struct DropCounts {
     found += drops && says_dropped ? 1U : 0U;
   }
   void store(SweepMetrics& metrics) const {
-    // 0/0 of nothing is the NaN that the contract promises.
+    // 0/0 gives the NaN of the contract.
     const auto share = [](std::size_t part, std::size_t of) {
       return static_cast<double>(part) / static_cast<double>(of);
     };
@@ -151,7 +150,7 @@ SweepMetrics compare_sweep(const SweepComparison& sweep) {
     intensity_sum += intensity_error * intensity_error;
   }
 
-  // 0/0 of nothing is NaN, here as well.
+  // 0/0 gives NaN here as well.
   const auto returns = static_cast<double>(returned.points.size());
   SweepMetrics metrics;
   metrics.distance_median_m = median(std::move(errors_m));

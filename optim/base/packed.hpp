@@ -1,6 +1,5 @@
 #pragma once
-// Scenes and what is known of a drive as bytes and back, the same bits: for files that the build reads again
-// that wrote them.
+// Serialises scenes and drive data to bytes and back with the same bits, for files read by the same build.
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
@@ -18,20 +17,20 @@
 
 namespace simuli {
 
-/// Takes values in, or gives them back in the same order.
+/// Writes values, or reads them in the same order.
 class Packed {
  public:
   Packed() = default;
-  /// Gives back what another one took in. `file` and `name`: where that was kept.
+  /// Reads the bytes of another object. `file` and `name`: their origin, for errors.
   Packed(std::vector<std::byte> bytes, std::string file, std::string name)
       : bytes_(std::move(bytes)), file_(std::move(file)), name_(std::move(name)), gives_(true) {}
 
-  /// Error{kInput} when there is less than these.
+  /// Throws Error{kInput} when too few bytes are left.
   template <class... Values>
   void operator()(Values&... values) {
     (pack(*this, values), ...);
   }
-  /// All members of a struct: one that is left out is a compile error.
+  /// Processes all members of a struct; a missing member is a compile error.
   template <class Struct, class... Members>
   void all(const Struct& /*type*/, Members&... members) {
     static_assert(detail::member_count<Struct>() == sizeof...(Members), "a member is left out");
@@ -50,7 +49,7 @@ class Packed {
       bytes_.insert(bytes_.end(), from, from + count * sizeof(Value));
     }
   }
-  /// The number of what follows, of `each` bytes at least.
+  /// Reads or writes the number of following elements, of at least `each` bytes.
   [[nodiscard]] std::size_t count(std::size_t own, std::size_t each) {
     raw(&own, 1);
     if (gives_) need(own, each);
@@ -58,7 +57,7 @@ class Packed {
   }
   [[nodiscard]] bool gives() const { return gives_; }
   [[nodiscard]] const std::vector<std::byte>& bytes() const { return bytes_; }
-  /// Error{kInput} when there is more than was given back.
+  /// Throws Error{kInput} when bytes are left.
   void need_end() const {
     if (at_ != bytes_.size()) throw_input_error(file_, name_, "more values", "those of this build");
   }
@@ -122,7 +121,7 @@ void pack(Packed& p, std::variant<Kinds...>& value) {
   std::visit(p, value);
 }
 
-/// Packs what visit_fields() tells of, internal members too.
+/// Packs the fields of visit_fields(), including internal ones.
 struct PackFields {
   Packed& p;
   void group(const char* /*heading*/) const {}
@@ -137,10 +136,10 @@ void pack(Packed& p, Options& options) {
   visit_fields(options, PackFields{p});
 }
 
-// All members of each: a binding of another number of names does not compile.
+// All members of each struct: a structured binding with another number of names does not compile.
 inline void pack(Packed& p, Pose& v) { p.all(v, v.rotation.coeffs(), v.translation); }
 inline void pack(Packed& p, TimedPose& v) { p.all(v, v.time_s, v.pose); }
-/// As its poses are: making one of them anew would normalise them again, and change bits.
+/// Packs poses directly: reconstruction would normalise them again and change bits.
 inline void pack(Packed& p, Trajectory& v) { p(const_cast<std::vector<TimedPose>&>(v.poses())); }
 inline void pack(Packed& p, KeyPose& v) { p.all(v, v.time_s, v.world_from_actor, v.shift_m, v.turn_rad); }
 inline void pack(Packed& p, Deformation& v) { p.all(v, v.nodes, v.start_s, v.interval_s, v.offsets_m); }
@@ -157,13 +156,13 @@ inline void pack(Packed& p, RayList& v) {
 }
 inline void pack(Packed& p, LogLidar& v) { p.all(v, v.model, v.rig_from_lidar); }
 
-/// What a training's start finds to be otherwise.
+/// The parts of a log that initialisation changes.
 inline void pack(Packed& p, Log& v) { p(v.lidars, v.world_from_rig, v.actors); }
 
 inline void pack(Packed& p, GaussianSet& v) { p(v.kind, v.sh_degree, v.params, v.actor); }
 inline void pack(Packed& p, EnvironmentMap& v) { p.all(v, v.width, v.height, v.texels); }
 inline void pack(Packed& p, ColorGrids::Frame& v) { p.all(v, v.camera, v.time_s); }
-/// aim_color_grids() finds the rest again.
+/// aim_color_grids() recomputes the other members.
 inline void pack(Packed& p, ColorGrids& v) { p(v.size_x, v.size_y, v.size_z, v.frames, v.values); }
 inline void pack(Packed& p, VisibilitySet& v) { p.all(v, v.path_m, v.occluders); }
 inline void pack(Packed& p, RayDrop& v) { p.all(v, v.lidar, v.parameters); }

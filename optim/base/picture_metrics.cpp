@@ -35,10 +35,10 @@ std::array<double, kWindow_px> gaussian_window() {
   return weights;
 }
 
-/// The five moments that SSIM needs of a pair of pictures: x, y, x^2, y^2, x y.
+/// The five moments of a pair of pictures for SSIM: x, y, x^2, y^2, x y.
 using Moments = std::array<double, 5>;
 
-/// Of the windows in row y0 of the valid region those without anything that is not known: [width - 10].
+/// Windows without unknown pixels in row y0 of the valid region: [width - 10].
 std::vector<bool> known_windows(const Image& truth, int y0) {
   std::vector<bool> known(static_cast<std::size_t>(truth.width - kWindow_px + 1), true);
   for (int y = y0; y < y0 + kWindow_px; ++y) {
@@ -133,7 +133,7 @@ Image colour_corrected(const Image& rendered,
   if (bends) coloured.rightCols(channels) = from.square().matrix().cast<double>();
   Eigen::VectorXd counts = (to.rowwise().minCoeff() >= 0.0F).matrix().cast<double>();
   if (!weight.empty()) counts.array() *= Pixels(weight.data(), pixels, 1).cast<double>();
-  // Of grey and of plain pictures many transforms are as near: the least one.
+  // Grey and plain pictures have many equally near transforms: the smallest is chosen.
   const Eigen::MatrixXd weighted = counts.asDiagonal() * coloured;
   const Eigen::MatrixXd transform = pseudo_inverse<Eigen::MatrixXd>(weighted.transpose() * coloured) *
                                     (weighted.transpose() * to.matrix().cast<double>());
@@ -146,7 +146,7 @@ Image colour_corrected(const Image& rendered,
 
 double psnr_corrected_db(const Image& rendered, const Image& truth) {
   const double corrected_db = psnr_db(colour_corrected(rendered, truth), truth);
-  return std::fmax(corrected_db, psnr_db(rendered, truth));  // the same but for rounding
+  return std::fmax(corrected_db, psnr_db(rendered, truth));  // equal except for rounding
 }
 
 double ssim(const Image& rendered, const Image& truth) {

@@ -115,7 +115,7 @@ void StateList::write(const std::filesystem::path& file) const {
 
 void StateList::read(const std::filesystem::path& path) const {
   const StateFile file(path);
-  // Names first: nothing is loaded from a file of another kind of training.
+  // Checks names first, so that nothing is loaded from another kind of training.
   for (const std::string& name : file.names()) {
     const bool known =
         std::any_of(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.name == name; });

@@ -1,5 +1,5 @@
 #pragma once
-// What decides how a training goes on, by name: what a checkpoint holds.
+// Named training state, the content of a checkpoint.
 #include <cstring>
 #include <filesystem>
 #include <functional>
@@ -14,7 +14,7 @@
 
 namespace simuli {
 
-/// A list of named states. Buffers and values stay the caller's and must outlive it.
+/// A list of named states. Buffers and values belong to the caller and must outlive it.
 class StateList {
  public:
   using Bytes = std::vector<std::byte>;
@@ -22,7 +22,7 @@ class StateList {
   using Load = std::function<void(const std::string& file, std::span<const std::byte>)>;
 
   void add(std::string name, Save save, Load load);
-  /// Loading gives the buffer the count that was saved.
+  /// Loading sets the buffer's count to the saved one.
   void add(std::string name, RealBuffer& buffer);
   void add(std::string name, Buffer<std::uint32_t>& buffer);
   /// A value without pointers.
@@ -41,22 +41,22 @@ class StateList {
           std::memcpy(&value, bytes.data(), sizeof(T));
         });
   }
-  /// Numbers that `get` tells and `set` takes back: as many as `get` tells when loading.
+  /// Numbers read by `get` and restored by `set`; loading requires the number that `get` returns.
   void add_numbers(const std::string& name,
                    const std::function<std::vector<double>()>& get,
                    const std::function<void(std::span<const double>)>& set);
-  /// Text that must be the same when loading (need_text).
+  /// Text that must be equal when loading (need_text).
   void add_fixed(const std::string& name, const std::string& text);
 
-  /// A hash of each state's bytes, by name: of two lists that are alike, the same.
+  /// Returns a hash of each state's bytes by name; equal for equal lists.
   [[nodiscard]] std::vector<std::pair<std::string, std::uint64_t>> hashes() const;
 
   /// Atomic (io/base/state_file.hpp).
   void write(const std::filesystem::path& file) const;
-  /// Error{kInput} when the file's blocks are not exactly those of the list, or one is not as it was written.
+  /// Throws Error{kInput} when the file's blocks differ from the list's, or one is damaged.
   void read(const std::filesystem::path& file) const;
 
-  /// Error{kInput} with the first line in which the text saved as `name` differs from `text`.
+  /// Throws Error{kInput} with the first line in which the text saved as `name` differs from `text`.
   static void need_text(const std::string& file,
                         const std::string& name,
                         std::span<const std::byte> saved,

@@ -17,7 +17,7 @@
 namespace simuli {
 
 constexpr double kFirstShare =
-    0.5;                   // of the iterations, when the program is first asked: scenes are whole then
+    0.5;  // share of the iterations before the program is first called, when scenes are complete
 constexpr int kEvery = 2;  // iterations per repaired picture
 
 FixedViews::FixedViews(const Device& device,

@@ -1,5 +1,5 @@
 #pragma once
-// Views beside the path in training, repaired by a program of the user's.
+// Off-trajectory views for training, repaired by an external program.
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -13,21 +13,21 @@
 
 namespace simuli {
 
-/// What a step learns from.
+/// A repaired view.
 struct FixedView {
   std::string camera;  // of the log
   Shot shot;
   double left_m = 0.0;
   std::size_t frame = 0;      // index into log.images
-  std::vector<float> values;  // [3][pixels], -1: not learned from
+  std::vector<float> values;  // [3][pixels], -1: not used
   std::size_t known = 0;      // pixels
 };
 
-/// Which pictures are repaired, when, and what came of it. A pixel is learned from with a probability of one
-/// less its support, drawn once for each picture and pixel: what recorded pictures tell, they tell better.
+/// Schedules repairs and stores repaired views. A pixel is used with a probability of 1 minus its support,
+/// drawn once per picture and pixel: where recorded pictures support the view they are better supervision.
 class FixedViews {
  public:
-  /// No command: there are none. `log` must outlive it.
+  /// Inactive without a command. `log` must outlive this object.
   FixedViews(const Device& device,
              const Log& log,
              const FrameSelection& frames,
@@ -35,16 +35,15 @@ class FixedViews {
              std::string command,
              const RenderOptions& render);
 
-  /// Whether the program is to be asked before this iteration of `iterations`.
+  /// Whether the program is due before this iteration of `iterations`.
   [[nodiscard]] bool is_due(int iteration, int iterations) const;
-  /// Renders the views of the scene as it is, has them repaired, and keeps what comes back. Errors as
-  /// run_fixer().
+  /// Renders views of the current scene, has them repaired, and stores the results. Throws as run_fixer().
   void repair(const SceneFile& scene, int iteration);
-  /// The view to learn from in this iteration; null: none.
+  /// Returns the view for this iteration; null without one.
   [[nodiscard]] const FixedView* turn(int iteration) const;
-  /// Of its loss over that of a recorded picture.
+  /// Weight of its loss relative to a recorded picture's.
   [[nodiscard]] double weight() const { return options_.weight; }
-  /// What a checkpoint holds of it.
+  /// Adds the checkpoint state.
   void add_state(StateList& list);
 
  private:

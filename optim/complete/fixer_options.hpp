@@ -1,14 +1,14 @@
 #pragma once
-// Pictures from beside the path that a program of the user's mends, to learn from.
+// Options of external programs that repair off-trajectory pictures for training.
 #include "host/core/base/allowed.hpp"
 
 namespace simuli {
 
 struct FixerOptions {
-  int rounds = 2;  // times that the program is asked, evenly over the second half of the training
+  int rounds = 2;  // number of calls, evenly spread over the second half of the training
   double shift_m = 1.5;
   int views = 10;
-  double weight = 0.5;  // of a repaired picture's loss over a recorded one's
+  double weight = 0.5;  // weight of a repaired picture's loss relative to a recorded one's
 };
 template <class F>
 constexpr void visit_fields(FixerOptions& o, F&& field) {

@@ -16,24 +16,24 @@
 namespace simuli {
 namespace {
 
-constexpr float kHidden = 3.0F;         // times as often as seen: its looks are mostly ones nobody saw
-constexpr float kLeastSeen = 0.5F;      // rays: what shows in fewer of those without actors was not seen
-constexpr std::size_t kMostViews = 12;  // of a sensor, evenly spread over those that it was trained on
-constexpr double kReach_m = 0.3;        // beyond an actor's box that still hides with it
+constexpr float kHidden = 3.0F;  // ratio of occluded to visible weight from which a particle counts as occluded
+constexpr float kLeastSeen = 0.5F;  // rays: less visible weight counts as unseen
+constexpr std::size_t kMostViews = 12;  // per sensor, evenly spread over its training frames
+constexpr double kReach_m = 0.3;  // margin around an actor's box that still occludes
 constexpr int kCell_px = 2;
-constexpr double kCoarse = 2.0;        // side of voxels over those of what is seen: nothing fine is known
-constexpr double kLargest = 4.0;       // over what pictures teach: no gap far away is ever mended
-constexpr float kOpacityLogit = 3.0F;  // 0.95: no loss ever pulls it up
-// That a view sees past a point before it speaks against it.
+constexpr double kCoarse = 2.0;  // side of voxels relative to visible parts: inpainting has no fine detail
+constexpr double kLargest = 4.0;  // relative to the pictures' resolution; larger gaps are too far away
+constexpr float kOpacityLogit = 3.0F;  // 0.95: no loss will raise it
+// Distance by which a view must see past a point to contradict it.
 constexpr double kThrough = 0.1, kThrough_m = 0.5;
 
-/// What one set learns of the places behind each actor.
+/// Disoccluded and inpainted parts of one set, by actor.
 struct Behind {
   std::vector<std::vector<std::size_t>> hidden;  // [actors] rows of the background's particles
   std::vector<GaussianSet> instead;              // [actors]
 };
 
-/// What a view sees without actors.
+/// A view without actors.
 struct Gap {
   std::size_t view = 0;
   std::size_t open = 0;  // rays
@@ -75,7 +75,7 @@ class SetFiller {
     return kind_ == SetKind::kCamera ? scene_.camera : scene_.lidar;
   }
 
-  /// What stands before each view, if anything does.
+  /// Finds the occluding actors of each view.
   void find_actors() {
     SceneOnDevice on_device(device_, borrowed(scene_), recipe_.render);
     bool any = false;
@@ -88,8 +88,8 @@ class SetFiller {
     if (!any) before_.clear();
   }
 
-  /// What is hidden goes behind its actor; what shows elsewhere, too, is there instead, as it looks from
-  /// where it was seen.
+  /// Moves particles that only occluded rays show to the disoccluded set of their actor; particles that other
+  /// rays also show are copied to the inpainted set with the appearance from there.
   void find_hidden(const GaussianSet& background, Behind& out) const {
     const SeenWeights seen =
         seen_weights(device_, background, views_, before_, scene_.origin, recipe_.render);
@@ -113,7 +113,7 @@ class SetFiller {
     }
   }
 
-  /// The actor that stands before or behind a point in most views; 0: none does.
+  /// Returns the actor that occludes a point in most views; 0 without one.
   [[nodiscard]] std::uint32_t hider_of(const Eigen::Vector3d& p_scene) const {
     std::vector<int> votes(scene_.actors.size() + 1, 0);
     for (std::size_t v = 0; v < views_.size(); ++v) {
@@ -128,7 +128,7 @@ class SetFiller {
     return *most > 0 ? static_cast<std::uint32_t>(most - votes.begin()) : 0;
   }
 
-  /// What the views see without actors and what they hide.
+  /// Renders the views without actors to find gaps.
   void look_behind(const Behind& behind) {
     Scene seen;
     GaussianSet& set = is_camera() ? seen.camera : seen.lidar;
@@ -166,7 +166,7 @@ class SetFiller {
     std::vector<Eigen::Vector3d> at;
     std::vector<PointObservation> looks;
   };
-  /// What of a picture is filled by what other views have filled; nothing of a LiDAR's.
+  /// Parts of a picture that inpainting from other views covers; none for a LiDAR.
   [[nodiscard]] Coverage covered(std::size_t v, const std::vector<Points>& of_actor) const {
     Coverage out;
     if (!is_camera()) return out;
@@ -213,7 +213,7 @@ class SetFiller {
     }
   }
 
-  /// Whether more of the pictures that could show a point see past it than do not.
+  /// Whether more of the pictures that could show a point see past it than not.
   [[nodiscard]] bool is_seen_through(const Eigen::Vector3d& p_scene) const {
     int past = 0, not_past = 0;
     for (const auto& [v, holes, rows] : gaps_) {
@@ -232,7 +232,7 @@ class SetFiller {
     return past > not_past;
   }
 
-  /// Opaque particles at those places, as the first ones of a training are made.
+  /// Makes opaque particles at these points, as initialisation does.
   [[nodiscard]] GaussianSet set_of(const std::vector<Eigen::Vector3d>& at,
                                    std::vector<PointObservation> looks) const {
     InitOptions init = recipe_.init;
@@ -278,13 +278,13 @@ class SetFiller {
   const Scene& scene_;
   SetKind kind_;
   std::vector<InpaintView> views_;
-  std::vector<ImageView> pictures_;           // [views] of cameras
-  std::vector<ActorsBefore> before_;          // [views]; none at all: no actor anywhere
+  std::vector<ImageView> pictures_;  // [views] of cameras
+  std::vector<ActorsBefore> before_;  // [views]; empty without any actor
   std::vector<std::vector<ActorBox>> boxes_;  // [views]
-  std::vector<Gap> gaps_;                     // of the views that have some, the largest first
+  std::vector<Gap> gaps_;  // of the views with gaps, largest first
 };
 
-/// Gives the occluders' particles their numbers and puts those that fill behind the set.
+/// Renumbers the disoccluded particles and appends the inpainted ones to the set.
 void take_over(const Scene& scene,
                const std::vector<std::size_t>& occluders,
                const Behind& behind,

@@ -1,5 +1,5 @@
 #pragma once
-// What stood behind actors and was never seen: told apart from what was, and filled from around.
+// Separates and inpaints disocclusions: background behind actors that no frame shows.
 #include "host/device/render/options/options.hpp"
 #include "host/device/runtime/device.hpp"
 #include "io/log/frame_selection.hpp"
@@ -9,18 +9,18 @@
 
 namespace simuli {
 
-/// How the scene was trained.
+/// Options with which the scene was trained.
 struct InpaintRecipe {
-  FrameSelection frames;  // from which it has learned
-  InitOptions init;       // that made its first particles
+  FrameSelection frames;  // training frames
+  InitOptions init;  // of the initialisation
   RenderOptions render;
 };
 
-/// Background particles of a trained scene that show in rays that meet an actor, were actors not there, and
-/// in no others, go behind that actor (Scene::occluders, owners_during()); and what rays then meet nothing is
-/// filled by particles of its own: each row of pixels, and of a LiDAR's beam, goes on from what is beside the
-/// gap (inpaint_rows()). Recorded views stay as they are: both only differ while an actor is elsewhere. Nothing
-/// happens without actors. Error{kDevice} when the device has no room.
+/// Moves background particles of a trained scene that only show in rays through an actor to that actor's
+/// disoccluded set (Scene::occluders, owners_during()), and fills rays that would then hit nothing by an
+/// inpainted set: each row of pixels or firings continues the surfaces next to the gap (inpaint_rows()).
+/// Recorded views keep their bits: both sets differ only while an actor is elsewhere. Does nothing without
+/// actors. Throws Error{kDevice} when the device lacks memory.
 void inpaint_behind_actors(const Device& device, const Log& log, const InpaintRecipe& recipe, SceneFile& scene);
 
 }  // namespace simuli

@@ -7,18 +7,18 @@
 namespace simuli {
 namespace {
 
-constexpr float kFarther = 1.3F;  // ratio of ranges from which on it is another surface
-constexpr int kEdge = 3;          // rays beside a gap that say what goes on there
-constexpr float kJoined = 1.5F;   // ratio of the ranges of two sides, at most, that one plane is
+constexpr float kFarther = 1.3F;  // ratio of ranges from which on surfaces differ
+constexpr int kEdge = 3;  // rays next to a gap that define the surface there
+constexpr float kJoined = 1.5F;  // largest ratio of the ranges of two sides on one plane
 
-/// What is beside a gap.
+/// The surface on one side of a gap.
 struct Side {
   float column = 0.0F;
   float inverse_m = 0.0F;
   std::array<float, 3> features{};
 };
 
-/// A row of a frame; columns beyond its ends are those of a closed row's other end.
+/// A row of a frame; a closed row continues at its other end.
 class Row {
  public:
   Row(const RayRows& frame, std::size_t row) : frame_(frame), first_(row * frame.columns) {}
@@ -34,7 +34,7 @@ class Row {
     return at && frame_.is_hole(*at);
   }
   [[nodiscard]] bool is_inside(std::ptrdiff_t column) const { return ray(column).has_value(); }
-  /// What goes on from `column`, going by `step`; none where nothing stands there.
+  /// Returns the surface at `column` in direction `step`; no value without one.
   [[nodiscard]] std::optional<Side> side(std::ptrdiff_t column, int step) const {
     std::optional<Side> farthest = edge(column, step);
     if (!farthest) return std::nullopt;
@@ -48,7 +48,7 @@ class Row {
   }
 
  private:
-  /// The mean of some rays from `column` on that meet one surface; none where there are not as many.
+  /// Returns the mean of the rays from `column` on that hit one surface; no value with too few.
   [[nodiscard]] std::optional<Side> edge(std::ptrdiff_t column, int step) const {
     Side sum;
     sum.column = static_cast<float>(column + step * (kEdge / 2));
@@ -75,7 +75,7 @@ Side between(const Side& left, const Side& right, float share) {
   return out;
 }
 
-/// The gap in columns [first, end).
+/// Fills the gap in columns [first, end).
 void fill(const Row& row, std::ptrdiff_t first, std::ptrdiff_t end, std::vector<FilledRay>& out) {
   const std::optional<Side> left = row.side(first - 1, -1), right = row.side(end, 1);
   if (!left && !right) return;
@@ -110,7 +110,7 @@ std::vector<FilledRay> inpaint_rows(const RayRows& frame) {
   for (std::size_t r = 0; r < frame.rows; ++r) {
     const Row row(frame, r);
     std::ptrdiff_t column = 0;
-    // A gap across the ends of a closed row is one: it is taken where it begins.
+    // A gap across the ends of a closed row is handled where it begins.
     while (frame.closed && column < columns && row.is_hole(column)) ++column;
     if (frame.closed && column == columns) continue;
     const std::ptrdiff_t end_of_row = frame.closed ? column + columns : columns;

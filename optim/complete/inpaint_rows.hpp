@@ -1,5 +1,5 @@
 #pragma once
-// What is plausible where nobody has looked: rows of rays go on from what is beside the gap.
+// Inpaints gaps along rows of rays from the surfaces on both sides.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -7,14 +7,14 @@
 
 namespace simuli {
 
-/// What the rays of one frame meet without actors. Row-major: pixels, or beams and their firings.
+/// Results of one frame's rays without actors. Row-major: pixels, or beams and firings.
 struct RayRows {
   std::size_t rows = 0, columns = 0;
-  bool closed = false;                         // the last column's neighbour is the first
-  std::size_t around = 3;                      // rays beside a gap among which what goes on behind it is
-  std::vector<std::uint32_t> actor;            // [rays] that stands before it, 1 + its index; 0: none
-  std::vector<float> range_m;                  // [rays] 0: nothing, +inf: too far to tell
-  std::vector<std::array<float, 3>> features;  // [rays] colour; or intensity and two that don't count
+  bool closed = false;  // the last column is adjacent to the first
+  std::size_t around = 3;  // rays next to a gap among which the continued surface is searched
+  std::vector<std::uint32_t> actor;  // [rays] occluding actor, 1 + its index; 0: none
+  std::vector<float> range_m;  // [rays] 0: nothing, +inf: unknown large distance
+  std::vector<std::array<float, 3>> features;  // [rays] colour; or intensity and two unused values
 
   [[nodiscard]] std::size_t rays() const { return rows * columns; }
   [[nodiscard]] bool is_hole(std::size_t ray) const { return actor[ray] != 0 && !(range_m[ray] > 0.0F); }
@@ -26,14 +26,13 @@ struct FilledRay {
   std::array<float, 3> features{};
 };
 
-/// The rays of gaps behind actors that end, in their row, at something on at least one side. Between two
-/// sides that a plane can join 1 / range goes on linearly, as it does on a plane in a pinhole's picture; of
-/// two that none joins the farther one goes on, as something nearer would have an edge somewhere else; so
-/// does, of what is `around` a side, what is farther than the rest. Beside open sky the near half is what the
-/// side is.
+/// Returns the rays of gaps behind actors that end at a surface on at least one side of their row. Between two
+/// sides that a plane can join, 1 / range is linear, as on a plane in a pinhole picture; otherwise the farther
+/// surface continues, because a nearer one would have a visible edge; likewise the farther of the surfaces
+/// within `around` of one side. Next to open sky the near half takes the other side's surface.
 [[nodiscard]] std::vector<FilledRay> inpaint_rows(const RayRows& frame);
 
-/// Actors reach that many columns and rows farther: what is next to one is a mixture.
+/// Extends actors by that many columns and rows, because adjacent rays are mixtures.
 void widen_actors(RayRows& frame, int by);
 
 }  // namespace simuli

@@ -15,13 +15,13 @@ namespace simuli {
 namespace {
 
 constexpr float kSolidTransmittance = 0.5F;
-constexpr float kFarthest_m = 150.0F;    // beyond it what is there looks the same wherever it is
-constexpr double kWholeTurn_rad = 6.28;  // but for what a rounded span leaves out
-constexpr double kAround_rad = 0.1;      // beside a gap: what stands there alone doesn't go on behind it
-constexpr double kAround_m = 0.2;        // beyond an actor's box that still shows it
+constexpr float kFarthest_m = 150.0F;  // beyond it parallax is negligible
+constexpr double kWholeTurn_rad = 6.28;  // tolerance for a rounded azimuth span
+constexpr double kAround_rad = 0.1;  // next to a gap: objects only there do not continue behind it
+constexpr double kAround_m = 0.2;  // margin around an actor's box that still shows it
 constexpr int kCameraEdge_px = 2, kLidarEdge = 1;
 
-/// The same particles, all of one look, so that no colour is clipped.
+/// Returns the same particles with a uniform appearance, so that no colour is clipped.
 GaussianSet of_one_look(const GaussianSet& set) {
   GaussianSet out(set.kind, 0, set.size());
   out.params.leftCols(kShRow) = set.params.leftCols(kShRow);
@@ -34,14 +34,14 @@ double columns_per_rad(const Sensor& sensor) {
   return spinning == nullptr ? 0.0 : spinning->columns / spinning->azimuth_span;
 }
 
-/// Whether a row of a sensor's rays goes all around.
+/// Whether a row of a sensor's rays covers the full revolution.
 bool is_closed(const Sensor& sensor) {
   if (sensor.is_camera()) return false;
   const auto* const spinning = std::get_if<Lidar>(&sensor.lidar());
   return spinning != nullptr && spinning->azimuth_span > kWholeTurn_rad;
 }
 
-/// Adds weights times what particles look like from `eye`, in the set's frame.
+/// Adds weights times the appearance of particles from `eye`, in the set's frame.
 void add_observations(const GaussianSet& set,
                const Eigen::Vector3d& eye,
                const Eigen::VectorXf& weights,
@@ -95,7 +95,7 @@ BoxInterval ActorBox::inside(const Eigen::Vector3d& origin, const Eigen::Vector3
 }
 
 bool ActorBox::holds(const Eigen::Vector3d& p_world) const {
-  constexpr double kRounding = 1.0 + 1e-6;  // the ball about the box, which spares most points the turn
+  constexpr double kRounding = 1.0 + 1e-6;  // margin of the bounding ball, which rejects most points cheaply
   if ((p_world - center_world).squaredNorm() > kRounding * half_m.squaredNorm()) return false;
   return ((actor_from_world * p_world).array().abs() <= half_m.array()).all();
 }
@@ -177,7 +177,7 @@ ActorsBefore actors_before(SceneOnDevice& scene, const InpaintView& view) {
   rows.actor = frame.owners();
   const std::vector<ActorBox> boxes = boxes_in(scene.scene(), view, kAround_m);
   const RayResults& seen = frame.results();
-  // What training has put beside an actor's particles to show its rim.
+  // Background particles that training placed next to an actor to show its silhouette.
   parallel_each(rows.rays(), [&](std::size_t ray) {
     if (rows.actor[ray] != 0 || !(seen.transmittance[ray] < kSolidTransmittance)) return;
     Eigen::Vector3d origin, direction;
@@ -224,9 +224,9 @@ SeenWeights seen_weights(const Device& device,
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Frame frame = on_device.render(views[v].sensor(), views[v].shot, {.graded = false});
     const std::vector<std::uint32_t> actor_of = actors[v].of(views[v].sensor().ray_count());
-    // A particle's feature without a look of its own is a constant and kSh0 times its coefficient: the sum of
-    // rays' features goes by the sum of its weights. The first feature tells of some rays, the second of
-    // others.
+    // A particle's feature with uniform appearance is a constant plus kSh0 times its coefficient: the gradient
+    // of the sum of the rays' features gives the sum of its weights. The first feature sums some rays, the
+    // second the others.
     RayGradients of_rays;
     of_rays.feature[0].assign(actor_of.size(), 1.0F);
     of_rays.feature[1].assign(actor_of.size(), 0.0F);

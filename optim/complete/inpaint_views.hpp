@@ -1,5 +1,5 @@
 #pragma once
-// The recorded frames of one set's sensors, and what is seen of a scene's background through them.
+// Recorded frames of one set's sensors, and the scene's background as they see it.
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
@@ -17,8 +17,8 @@ namespace simuli {
 struct InpaintSensor {
   explicit InpaintSensor(Sensor of);
   Sensor sensor;
-  std::vector<Eigen::Vector3f> origin, direction;  // [rays] m; unit, 0 where the lens has none
-  std::vector<float> share;                        // [rays] of the frame at which it looks
+  std::vector<Eigen::Vector3f> origin, direction;  // [rays] m; unit, 0 without a ray through the lens
+  std::vector<float> share;  // [rays] share of the frame at the ray's time
 };
 
 inline constexpr double kMostPixels = 150'000.0;  // nothing fine is known behind actors
@@ -29,34 +29,33 @@ struct InpaintView {
   Shot shot;
 
   [[nodiscard]] const Sensor& sensor() const { return on->sensor; }
-  /// The ray in the world; a direction of 0 where the lens has none.
+  /// Computes the ray in the world; a zero direction without a ray through the lens.
   void ray(std::size_t index, Eigen::Vector3d& origin, Eigen::Vector3d& direction) const;
 };
 
-/// Where an actor was half-way through a view.
+/// An actor's box at the middle of a view.
 struct ActorBox {
-  std::uint32_t actor = 0;  // 1 + its index
+  std::uint32_t actor = 0;  // 1 + the actor's index
   Pose actor_from_world;
   Eigen::Vector3d center_world, half_m;
 
   [[nodiscard]] bool holds(const Eigen::Vector3d& p_world) const;
-  /// What of a ray (world, direction of any length) lies in the box.
+  /// Returns the interval of a ray (world, direction of any length) inside the box.
   [[nodiscard]] BoxInterval inside(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) const;
 };
 
-/// Of the set's sensors those frames that training learned from, `most` of each at most, evenly spread; as
-/// large as training saw them, or as has kMostPixels.
-/// LiDARs that fire no rows of beams are left out: their rays have no neighbours.
+/// Returns training frames of the set's sensors, at most `most` of each, evenly spread, at the training size or
+/// kMostPixels. LiDARs without rows are left out: their rays have no known neighbours.
 [[nodiscard]] std::vector<InpaintView> inpaint_views(const Log& log,
                                                const FrameSelection& frames,
                                                SetKind kind,
                                                std::size_t most);
 
-/// The boxes of the actors that are there, wider by `margin_m` to all sides.
+/// Returns the boxes of the actors present, enlarged by `margin_m`.
 [[nodiscard]] std::vector<ActorBox> boxes_in(const Scene& scene, const InpaintView& view, double margin_m);
 
-/// [rays] 1 + the index of the actor that stands before it, 0: none. Kept as where it changes: of all views
-/// at once there would be as much as of pictures.
+/// [rays] 1 + the index of the occluding actor, 0: none. Stored as run lengths, because all views together
+/// would be as large as the pictures.
 class ActorsBefore {
  public:
   ActorsBefore() = default;
@@ -72,19 +71,19 @@ class ActorsBefore {
   std::vector<Change> changes_;
 };
 
-/// Rays whose light mostly comes from an actor or from where its box is, and those next to them.
+/// Finds rays whose light mostly comes from an actor or its box, and their neighbours.
 [[nodiscard]] ActorsBefore actors_before(SceneOnDevice& scene, const InpaintView& view);
 
-/// What is seen of a scene without actors.
+/// Renders a view without actors.
 [[nodiscard]] RayRows rows_of(SceneOnDevice& background, const InpaintView& view, const ActorsBefore& actors);
 
-/// Sums of the weights that background particles have in rays, and of what they look like there.
+/// Sums of the weights of background particles in rays, and of their appearance there.
 struct SeenWeights {
-  Eigen::VectorXf before_actors, elsewhere;  // [N] in rays: in those that meet an actor, and in others
-  Eigen::MatrixX3f look;                     // [N] features times `elsewhere`, from where each view sees them
+  Eigen::VectorXf before_actors, elsewhere;  // [N] in rays through an actor, and in other rays
+  Eigen::MatrixX3f look;  // [N] features times `elsewhere`, as seen from each view
 };
 
-/// `background`: particles without actors, of the set that the views see; their frame's origin in the world.
+/// `background`: particles without actors of the set that the views use, and their frame's origin in the world.
 [[nodiscard]] SeenWeights seen_weights(const Device& device,
                                        const GaussianSet& background,
                                        const std::vector<InpaintView>& views,

@@ -15,17 +15,17 @@
 namespace simuli {
 namespace {
 
-constexpr double kLeastColourError = 0.004, kLeastContrast = 0.01;  // a step of 8 bits, a few
+constexpr double kLeastColourError = 0.004, kLeastContrast = 0.01;  // one and several steps of 8-bit values
 constexpr double kLeastRangeError_m = 1e-3;
-constexpr double kMostRangeError_m = 1.0;  // as much as a return where there is none
+constexpr double kMostRangeError_m = 1.0;  // error of a missing or spurious return
 constexpr float kHalf = 0.5F;
 
-/// The cells of one view being filled.
+/// Cells of one view during accumulation.
 class Cells {
  public:
   explicit Cells(const SupportGrid& grid) : grid_(grid), cells_(grid.cells()), counts_(grid.cells(), 0) {}
 
-  /// A ray to a point in the view's axes; far along it where nothing is met.
+  /// Adds a ray to a point in the view's frame; a far point for a ray without hit.
   void add(const Eigen::Vector3d& p_view, double log_error, double log_contrast) {
     const std::size_t cell = grid_.cell_of(p_view);
     if (cell >= cells_.size()) return;
@@ -38,8 +38,7 @@ class Cells {
     ++counts_[cell];
   }
 
-  /// Means; cells between two of a column that have rays, where rays only happen to fall beside them, are as
-  /// the nearer of these.
+  /// Returns means; empty cells between two cells of a column with rays take the nearer one's values.
   [[nodiscard]] std::vector<SupportCell> take() && {
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       if (counts_[i] == 0) continue;
@@ -72,7 +71,7 @@ class Cells {
   std::vector<std::uint32_t> counts_;
 };
 
-/// Where a ray's light comes from, along it; far off where most of it goes on.
+/// Distance of a ray's light along the ray; far if transmittance dominates.
 double met_m(const RayResults& rays, std::size_t ray) {
   return rays.transmittance[ray] < kHalf ? static_cast<double>(rays.expected_distance(ray)) : kSupportFar_m;
 }
@@ -81,7 +80,7 @@ double luminance(const Image& image, int x, int y) {
   return static_cast<double>(image.at(x, y, 0) + image.at(x, y, 1) + image.at(x, y, 2)) / 3.0;
 }
 
-/// Between the brightest and the darkest of a pixel and its neighbours.
+/// Difference between the brightest and darkest of a pixel and its neighbours.
 double contrast(const Image& image, int x, int y) {
   double low = 1.0, high = 0.0;
   for (int v = std::max(y - 1, 0); v <= std::min(y + 1, image.height - 1); ++v) {

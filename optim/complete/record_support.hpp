@@ -1,5 +1,5 @@
 #pragma once
-// What a trained scene keeps of the frames that it was trained on.
+// Records the support of a trained scene by its training frames.
 #include <cstddef>
 #include <memory>
 
@@ -12,13 +12,12 @@
 
 namespace simuli {
 
-/// Frames that are kept of a sensor, at most: evenly spread over those that it recorded.
+/// Largest number of recorded frames per sensor, evenly spread over its training frames.
 inline constexpr std::size_t kMostRecordedViews = 240;
 
-/// Renders the training frames of each sensor with the scene and compares them with what was recorded: for
-/// each cell of a frame's directions how far what is there is, how wrong the scene is and how much the
-/// recorded colours change. A sensor's frames are those from which training learned (`frames`); it sits where
-/// `scene` says. Error{kInput} when a frame can't be read.
+/// Renders the training frames (`frames`) of each sensor, mounted as in `scene`, and compares them with the
+/// recorded ones: for each cell of viewing directions the distance, the scene's error and the contrast of the
+/// recorded colours. Throws Error{kInput} when a frame cannot be read.
 [[nodiscard]] std::shared_ptr<const SupportRecord> record_support(const Device& device,
                                                                   const Log& log,
                                                                   const SceneFile& scene,

@@ -61,7 +61,7 @@ void write_views(const fs::path& folder, const std::vector<FixerView>& views, in
   write_file_atomically(folder / "views.json", root.dump(1) + '\n');
 }
 
-/// The program and whatever it starts. What it prints goes to stderr: stdout may be JSON.
+/// The program and its child processes. Its output goes to stderr, because stdout may be JSON.
 class ProcessGroup {
  public:
   ProcessGroup(const std::string& command, char* const* arguments) {
@@ -82,8 +82,8 @@ class ProcessGroup {
   ProcessGroup& operator=(const ProcessGroup&) = delete;
   ~ProcessGroup() { spare_at_end(leader_); }
 
-  /// Waits for the program and returns its status as of waitpid(). Error{kInput} where the system has none: the
-  /// process ignores SIGCHLD, or another thread has waited for the program. Kills the group when
+  /// Waits for the program and returns its status as waitpid() does. Throws Error{kInput} when the system has
+  /// none: the process ignores SIGCHLD, or another thread waited for the program. Kills the group when
   /// Interruption::ask() throws.
   [[nodiscard]] int wait(const std::string& command) const {
     constexpr std::chrono::milliseconds kLookAgain{20};
@@ -128,7 +128,7 @@ std::vector<Image> read_views(const std::string& command,
                               const fs::path& folder,
                               const std::vector<FixerView>& views) {
   std::set<std::string> left, missing;
-  std::error_code failed;  // it may have removed its folder
+  std::error_code failed;  // the program may have removed its folder
   for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
     left.insert(at->path().filename().string());
   for (const FixerView& view : views) {

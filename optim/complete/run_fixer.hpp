@@ -1,5 +1,5 @@
 #pragma once
-// The protocol by which a program of the user's mends pictures: a folder in, a folder out (docs/FIXERS.md).
+// Protocol of external programs that repair pictures: an input folder and an output folder (docs/FIXERS.md).
 #include <string>
 #include <vector>
 
@@ -15,16 +15,15 @@ struct FixerView {
   Camera camera;     // of the picture's size
   Pose world_from_camera;
   double time_s = 0.0;
-  double left_m = 0.0;  // of the recorded path
+  double left_m = 0.0;  // offset to the left of the recorded path
   Image rendered;       // [height][width][3] in [0, 1]
   Image support;        // [height][width][1] in [0, 1]
-  Image recorded;       // the picture that was taken on the path then
+  Image recorded;  // recorded picture on the path at that time
 };
 
-/// Writes the views into a folder of their own, runs `COMMAND IN OUT` by the shell, waits for it, and reads
-/// what it wrote to OUT: one picture per view, in their order. Error{kInput} in one line when it can't be
-/// run, ends with another code than 0, or leaves other files than NAME.png of each view, of the view's size.
-/// The folders go.
+/// Writes the views to a temporary folder, runs `COMMAND IN OUT` by the shell, and reads one picture per view
+/// from OUT, in order. Throws Error{kInput} with one line when the program cannot be run, ends with a code
+/// other than 0, or does not write exactly NAME.png of each view in the view's size. Removes the folders.
 [[nodiscard]] std::vector<Image> run_fixer(const std::string& command,
                                            const std::vector<FixerView>& views,
                                            int iteration);

@@ -12,7 +12,7 @@
 namespace simuli {
 namespace {
 
-/// Places in rising order; the mean one of equal values.
+/// Ranks in ascending order; equal values share their mean rank.
 std::vector<double> ranks(const std::vector<float>& values) {
   std::vector<std::size_t> order(values.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -40,12 +40,12 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
   return aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 0.0;
 }
 
-/// Without the tint and tone curve that the supported pixels have in common: the transform of least absolute errors,
-/// by least squares whose weights follow them. What is wrong in places must not move it.
+/// Removes the tint and tone curve common to the supported pixels: the transform with the least absolute
+/// errors, by reweighted least squares, so that local errors have little influence.
 Image without_tint(const Image& rendered, const Image& truth, const std::vector<float>& support) {
   constexpr int kRounds = 6;
   constexpr float kSupported = 0.5F;
-  constexpr std::ptrdiff_t kFewest = 100;  // twenty-one numbers are fitted
+  constexpr std::ptrdiff_t kFewest = 100;  // twenty-one parameters are fitted
   const auto is_supported = [](float known) { return known > kSupported; };
   if (std::count_if(support.begin(), support.end(), is_supported) < kFewest) return rendered;
   constexpr double kLeastError = 0.02;
@@ -89,7 +89,7 @@ void SupportSamples::add_picture(SceneOnDevice& scene,
   const Image truth = load_image(log, frame, camera);
   const Image rendered = tint == Tint::kKnown ? taken.image() : without_tint(taken.image(), truth, known);
   for (std::size_t i = 0; i < known.size(); i += step) {
-    if (truth.data[3 * i] < 0.0F) continue;  // hidden by a mask
+    if (truth.data[3 * i] < 0.0F) continue;  // masked
     support.push_back(known[i]);
     error.push_back(static_cast<float>(colour_error(rendered, truth, i)));
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Support beside the errors that it estimates.
+// Comparison of support with the errors that it predicts.
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -10,20 +10,19 @@
 
 namespace simuli {
 
-/// Whether training saw a camera's pictures. Of one that it never saw no scene can know exposure and white balance:
-/// its errors are told once the affine transform of colours in which the supported pixels agree has been taken off.
+/// Whether a camera was trained on. A scene cannot know exposure and white balance of other cameras: their
+/// errors are measured after removing the affine colour transform fitted to the supported pixels.
 enum class Tint { kKnown, kUnknown };
 
-/// Mean of |channels| of a pixel.
+/// Mean absolute difference over the channels of a pixel.
 [[nodiscard]] double colour_error(const Image& rendered, const Image& truth, std::size_t pixel);
 
-/// What support said of pixels or rays, and how wrong they were.
+/// Support and error of sampled pixels or rays.
 struct SupportSamples {
   std::vector<float> support;  // [n] in [0, 1]
-  std::vector<float> error;    // [n] of a colour the mean of its channels; of a ray m
-  /// Adds those of a recorded picture, at the camera's size, or of a sweep: a ray that returns where none
-  /// does, or the other way round, is off by kNoReturn_m. Every `step`-th of them. Error{kInput} when a file
-  /// can't be read.
+  std::vector<float> error;  // [n] of a colour: mean of its channels; of a ray: m
+  /// Adds every `step`-th sample of a recorded picture, at the camera's size, or of a sweep; a missing or
+  /// spurious return counts as an error of kNoReturn_m. Throws Error{kInput} when a file cannot be read.
   void add_picture(SceneOnDevice& scene,
                    SupportOnDevice& support_on,
                    const Log& log,
@@ -41,18 +40,18 @@ struct SupportSamples {
 };
 
 struct SupportReliability {
-  /// Of those whose support is in [k / 10, (k + 1) / 10).
+  /// Samples with support in [k / 10, (k + 1) / 10).
   struct Bin {
     std::size_t count = 0;
     double support = 0.0;  // mean
-    double right = 0.0;    // share whose error is below the limit
+    double right = 0.0;  // share with an error below the limit
     double error = 0.0;    // mean
   };
   static constexpr std::size_t kBins = 10;
   std::size_t count = 0;
-  double rank_correlation = 0.0;  // Spearman's, of support and the error's opposite; 0 without a difference
+  double rank_correlation = 0.0;  // Spearman's, of support and negative error; 0 without variation
   double mean_support = 0.0, right = 0.0;
-  double calibration_error = 0.0;  // mean of |support - right| over the bins, by their counts
+  double calibration_error = 0.0;  // mean of |support - right| over the bins, weighted by count
   std::array<Bin, kBins> bins{};
 };
 /// `limit`: kSupportColour or kSupportRange_m.

@@ -16,26 +16,26 @@ namespace {
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kBelowHorizon_rad = 5.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kFewestSweepsOfADrive = 8;
-constexpr double kShortestDrive_m = 5.0;  // behind which a parked car is seen elsewhere
-constexpr std::size_t kFewestRays = 5;    // in a cell, before it is called blind
-constexpr std::size_t kFewestCells = 3;   // in an arc: a single cell may be chance
-// Of the vehicle's own returns. PandaSet's from its roof scatter by 1 to 4 cm from sweep to sweep.
+constexpr double kShortestDrive_m = 5.0;  // shortest path after which surroundings of a parked car have changed
+constexpr std::size_t kFewestRays = 5;  // in a cell, to call it blind
+constexpr std::size_t kFewestCells = 3;  // in an arc, because single cells may be chance
+// Thresholds for returns of the ego vehicle. PandaSet's from its roof scatter by 1 to 4 cm between sweeps.
 constexpr double kOwnRange_m = 3.0;
 constexpr double kOwnScatter_m = 0.1;        // standard deviation
-constexpr double kOwnDrop = 0.5;             // of the ground's below the sensor, at most
-constexpr double kOwnHalfWidth_m = 1.25;     // a wall beside the path stays as far away, too
-constexpr double kOwnShortestDrive_m = 1.0;  // what is in the world comes nearer by as much
-constexpr double kOwnShare = 0.2;            // of a cell's rays: at edges of the roof some pass it
+constexpr double kOwnDrop = 0.5;  // largest height below the sensor relative to the ground's
+constexpr double kOwnHalfWidth_m = 1.25;  // excludes a wall at a constant distance next to the path
+constexpr double kOwnShortestDrive_m = 1.0;  // static surroundings come nearer by as much
+constexpr double kOwnShare = 0.2;  // of a cell's rays: at edges of the roof some rays pass it
 
 struct Cell {
   std::uint32_t rays = 0;
   std::uint32_t returns = 0;
-  std::uint32_t near = 0;  // of the returns: nearer than kOwnRange_m
+  std::uint32_t near = 0;  // returns nearer than kOwnRange_m
   double near_sum_m = 0.0, near_squares_m2 = 0.0;
-  bool own = false;  // what returns is the vehicle's
+  bool own = false;  // its returns are the ego vehicle's
 
-  /// Whether its near returns are the vehicle's. `in_rig`: the cell's direction in the rig, of a sensor at
-  /// `origin_m`; `ground_m`: how far below the sensor the ground is.
+  /// Whether the cell's near returns belong to the ego vehicle. `in_rig`: direction of the cell in the rig, for
+  /// a sensor at `origin_m`; `ground_m`: depth of the ground below the sensor.
   [[nodiscard]] bool is_own(const Eigen::Vector3d& in_rig,
                             const Eigen::Vector3d& origin_m,
                             double ground_m) const {
@@ -47,7 +47,7 @@ struct Cell {
   }
 };
 
-/// Blind cells of a row as arcs. A cell that hardly a ray has passed is as blind as both of its neighbours.
+/// Appends the blind cells of a row as arcs. Cells with hardly any ray are blind if both neighbours are.
 void append_arcs(const Cell* cells, std::size_t count, int row, std::vector<BlindArc>& arcs) {
   const auto is_open = [&](std::size_t i) { return cells[i].returns > 0 && !cells[i].own; };
   const auto is_sure = [&](std::size_t i) { return !is_open(i) && cells[i].rays >= kFewestRays; };
@@ -57,7 +57,7 @@ void append_arcs(const Cell* cells, std::size_t count, int row, std::vector<Blin
       ++begin;
       continue;
     }
-    std::size_t end = begin + 1;  // behind the last sure cell
+    std::size_t end = begin + 1;  // after the last certain cell
     for (std::size_t i = end; i < count && !is_open(i); ++i) {
       if (is_sure(i)) end = i + 1;
     }
@@ -76,9 +76,9 @@ std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, const FrameSe
   const std::vector<std::size_t> training = HeldOutRule(log, frames).training(log.sweeps);
   for (const LogLidar& mounted : log.lidars) {
     found.emplace_back();
-    if (!std::holds_alternative<Lidar>(mounted.model)) continue;  // arcs are of rows
+    if (!std::holds_alternative<Lidar>(mounted.model)) continue;  // arcs belong to rows
     auto lidar = std::get<Lidar>(mounted.model);
-    lidar.blind.clear();  // returns from known ones would not be read
+    lidar.blind.clear();  // otherwise returns from known arcs would be ignored
     std::vector<const SweepFrame*> sweeps;
     for (const std::size_t index : training) {
       if (log.sweeps[index].lidar == lidar.name) sweeps.push_back(&log.sweeps[index]);
@@ -93,11 +93,11 @@ std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, const FrameSe
     const auto per_row =
         static_cast<std::size_t>(std::lround(lidar.columns * kTurn_rad / lidar.azimuth_span));
     std::vector<Cell> cells(lidar.rows.size() * per_row);
-    std::vector<double> grounds_m;  // below the sensor, of each sweep
+    std::vector<double> grounds_m;  // of the ground below the sensor, by sweep
     expect(log, sweeps);
     for (const SweepFrame* frame : sweeps) {
       const Sweep sweep = read_sweep(log, *frame, lidar);
-      std::vector<double> drops_m;  // of returns from farther away than any of the vehicle's
+      std::vector<double> drops_m;  // of returns beyond the ego vehicle's
       for (std::size_t i = 0; i < sweep.range.size(); ++i) {
         const std::size_t row = i / static_cast<std::size_t>(lidar.columns);
         if (lidar.rows[row].elevation > -kBelowHorizon_rad) continue;
@@ -128,7 +128,7 @@ std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, const FrameSe
         const Eigen::Vector3d in_rig =
             rig_from_lidar.rotation * Lidar::direction(azimuth, lidar.rows[row].elevation);
         c.own = c.is_own(in_rig, rig_from_lidar.translation, ground_m);
-        if (!c.own && driven_m < kShortestDrive_m) c.rays = 0;  // what returns nothing may be the world's
+        if (!c.own && driven_m < kShortestDrive_m) c.rays = 0;  // missing returns may be due to the surroundings
       }
       append_arcs(&cells[row * per_row], per_row, static_cast<int>(row), found.back());
     }

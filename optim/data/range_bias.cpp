@@ -23,24 +23,25 @@ constexpr int kRounds = 3;
 constexpr double kVoxel_m = 0.1;
 constexpr float kNearest_m = 2.0F;
 constexpr float kFarthest_m = 50.0F;
-constexpr std::size_t kMapStep = 3;     // of a row's rays, one is put into the map
-constexpr std::size_t kSampleStep = 8;  // of those, one is compared with it
+constexpr std::size_t kMapStep = 3;  // every so many rays of a row enter the map
+constexpr std::size_t kSampleStep = 8;  // of these, every so many are compared with the map
 constexpr std::size_t kNeighbours = 24;
 constexpr float kReach_m = 0.6F;  // to the farthest neighbour
-/// Neighbours are a plane up to this standard deviation off it, and this share of the smaller one along it.
+/// Limits for planes through neighbours: standard deviation off the plane, and relative to the smaller one
+/// along it.
 constexpr double kFlat_m = 0.04;
 constexpr double kFlatShare = 0.25;
-constexpr double kLineShare = 0.15;  // smaller over larger standard deviation along the plane
-constexpr double kRimShare = 0.6;    // of that, from the middle of the neighbours
+constexpr double kLineShare = 0.15;  // smallest ratio of the standard deviations along the plane
+constexpr double kRimShare = 0.6;  // largest distance from the neighbours' centre relative to the smaller one
 constexpr double kHuber_m = 0.03;
 constexpr double kOutlier_m = 0.15;
 constexpr double kCounts_m = 0.005;
 constexpr double kCountsSigmas = 5.0;
-/// Sectors of azimuth, each with an estimate of its own: what the street does to an estimate (rims, curved
-/// walls) differs from one to the next, a bias does not.
+/// Azimuth sectors with separate estimates: errors by the street (edges, curved walls) differ between sectors,
+/// a bias does not.
 constexpr std::size_t kGroups = 8;
 constexpr std::size_t kFewestGroups = 4;
-constexpr double kFewestEquations = 1.0;  // of a group, seen head-on
+constexpr double kFewestEquations = 1.0;  // per sector, at normal incidence
 
 /// A return in the scene.
 struct Hit {
@@ -88,9 +89,9 @@ std::vector<Hit> hits_of(const Log& log, const LogLidar& mounted, const std::vec
   return hits;
 }
 
-/// What a hit says: (n . d) bias = n . (hit - plane).
+/// Equation of a hit: (n . d) bias = n . (hit - plane).
 struct Equation {
-  double along = 0.0;  // n . d; 0: no plane there
+  double along = 0.0;  // n . d; 0: no plane
   double off_m = 0.0;
 };
 
@@ -115,7 +116,7 @@ Equation equation_of(const PointSet& points, const PointTree& tree, const Hit& h
   const Eigen::Vector3d normal = solver.eigenvectors().col(0);
   const Eigen::Vector3d from_mean = (p - mean).cast<double>();
   const double off_m = normal.dot(from_mean);
-  // At the rim of a surface its neighbours lie to one side, and say little of what is here.
+  // Neighbours at the edge of a surface are one-sided and biased.
   if ((from_mean - off_m * normal).norm() > kRimShare * deviation(1)) return {};
   if (std::abs(off_m) > kOutlier_m) return {};
   return {normal.dot(hit.direction.cast<double>()), off_m};
@@ -191,7 +192,7 @@ std::vector<RangeBias> find_range_bias(const Log& log, const LogLidar& lidar, co
 Log with_range_bias(Log log, const FrameSelection& frames) {
   for (std::size_t i = 0; i < log.lidars.size(); ++i) {
     auto* const lidar = std::get_if<Lidar>(&log.lidars[i].model);
-    if (lidar == nullptr) continue;  // biases are of rows
+    if (lidar == nullptr) continue;  // biases belong to rows
     std::vector<LidarRow>& rows = lidar->rows;
     if (std::any_of(rows.begin(), rows.end(), [](const LidarRow& row) { return row.range_bias != 0.0; }))
       continue;

@@ -13,13 +13,13 @@ namespace {
 
 constexpr double kLast_m = 1.0;
 constexpr std::size_t kFewest = 50;  // returns in the last metre
-constexpr double kLeastShare = 0.5;  // of those in the metre before
-constexpr double kStep_m = 0.1;      // limits are round numbers
+constexpr double kLeastShare = 0.5;  // relative to the metre before
+constexpr double kStep_m = 0.1;  // limits are rounded
 
 }  // namespace
 
 std::optional<double> find_range_limit(const Log& log, const LogLidar& lidar, const FrameSelection& frames) {
-  std::vector<float> far;  // the last two metres so far
+  std::vector<float> far;  // returns in the last two metres so far
   float largest = 0.0F;
   for (const std::size_t index : HeldOutRule(log, frames).training(log.sweeps)) {
     const SweepFrame& frame = log.sweeps[index];

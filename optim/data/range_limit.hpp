@@ -1,5 +1,5 @@
 #pragma once
-// How far a log's LiDAR was recorded: learned from its sweeps, as tables only tell what the sensor can do.
+// Estimates the recorded range limit of a LiDAR from its sweeps; tables only contain the sensor's capability.
 #include <optional>
 
 #include "io/log/frame_selection.hpp"
@@ -7,15 +7,15 @@
 
 namespace simuli {
 
-/// The range in m beyond which a recording was cut off: a little more than the largest of all training
-/// sweeps, where returns still come as densely in the last metre before it as in the one before that, instead
-/// of getting fewer and fewer. Nothing where they do, or with fewer than 50 in that metre. Error{kInput} when
-/// a sweep can't be read.
+/// Returns the range in m at which a recording was cut off: slightly more than the largest range of all
+/// training sweeps, if returns are as dense in the last metre as in the metre before instead of becoming rare.
+/// No value otherwise, or with fewer than 50 returns in that metre. Throws Error{kInput} when a sweep cannot be
+/// read.
 [[nodiscard]] std::optional<double> find_range_limit(const Log& log,
                                                      const LogLidar& lidar,
                                                      const FrameSelection& frames);
 
-/// The log with LiDARs that reach no farther than that.
+/// Returns the log with LiDARs limited to that range.
 [[nodiscard]] Log with_range_limit(Log log, const FrameSelection& frames);
 
 }  // namespace simuli

@@ -1,4 +1,4 @@
-// Of a build without calibration.
+// Used by builds without calibration.
 #include <utility>
 
 #include "optim/data/refined_path.hpp"

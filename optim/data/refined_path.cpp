@@ -15,16 +15,16 @@
 namespace simuli {
 namespace {
 
-constexpr double kCloser = 0.97;  // of the recorded path's median distance
-constexpr double kKept = 0.98;    // of its share of returns on planes
-constexpr double kNear = 0.02;    // m: what good registrations reach, of returns a centimetre off
-constexpr double kFine = 0.001;   // m: nothing is left to find
+constexpr double kCloser = 0.97;  // required ratio to the recorded median distance
+constexpr double kKept = 0.98;  // required ratio to the recorded share of returns on planes
+constexpr double kNear = 0.02;  // m: residual of good registrations, with returns of centimetre noise
+constexpr double kFine = 0.001;  // m: nothing left to improve
 constexpr std::size_t kMinRefinedSweeps = 8;
-/// Standard deviations of recorded poses: GNSS/IMU's, of which KITTI's are 15 cm off. They only lead where
-/// surfaces say nothing.
+/// Standard deviations of recorded GNSS/IMU poses, of which KITTI's have errors of 15 cm. They only matter
+/// where surfaces give no information.
 constexpr double kPosition_m = 0.1, kRotation_rad = 0.2 * std::numbers::pi / 180.0;
 
-/// The LiDAR with the most sweeps, the first of several, and how many.
+/// Returns the LiDAR with the most sweeps (the first of several), and their number.
 std::pair<std::string, std::size_t> busiest_lidar(const Log& log) {
   std::pair<std::string, std::size_t> busiest;
   for (const LogLidar& lidar : log.lidars) {
@@ -36,8 +36,7 @@ std::pair<std::string, std::size_t> busiest_lidar(const Log& log) {
   return busiest;
 }
 
-/// The recorded path, moved by what was found at the knots: what it knows between them, and beyond them,
-/// stays.
+/// Moves the recorded trajectory by the corrections at the knots; its motion between and beyond knots is kept.
 Trajectory corrected(const Trajectory& recorded, const std::vector<TimedPose>& knots) {
   std::vector<TimedPose> corrections;
   std::map<double, Pose> poses;

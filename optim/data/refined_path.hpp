@@ -1,6 +1,6 @@
 #pragma once
-// The path of a log as its LiDAR sees it. Poses from GNSS/IMU or from another registration are centimetres
-// and hundredths of a degree off, which is what a scene's surfaces are then thick.
+// Ego-pose refinement by LiDAR. Poses from GNSS/IMU or other registrations have errors of centimetres and
+// hundredths of a degree, which would thicken the scene's surfaces.
 #include <functional>
 #include <string>
 
@@ -14,11 +14,12 @@ struct RefinedLog {
   PathReport report;
 };
 
-/// The log on the path that calibration::align_log() finds with the recorded poses as a prior, boxes of
-/// actors carried along, where its sweeps lie on common planes better there: the median distance at least 3 %
-/// smaller, and no more than 2 % fewer returns on planes. Else as it is, and the reason. All sweeps count,
-/// held-out ones too: this is where frames were taken, of which a recorded path tells as well, not what they
-/// show. A build without calibration leaves logs as they are. progress(stage, done, total) as of align_log().
+/// Returns the log with the trajectory that calibration::align_log() finds with the recorded poses as a prior,
+/// actors' boxes moved along, if sweeps are more consistent with common planes: the median distance at least 3
+/// % smaller, and at most 2 % fewer returns on planes. Otherwise returns the unchanged log and the reason. All
+/// sweeps count, including held-out ones: poses, unlike measurements, are known for them from the recorded
+/// trajectory as well. A build without calibration changes nothing. progress(stage, done, total) as in
+/// align_log().
 [[nodiscard]] RefinedLog with_refined_path(
     Log log, const std::function<void(const std::string&, std::size_t, std::size_t)>& progress = {});
 

@@ -1,6 +1,6 @@
 #pragma once
-// How far rows of a LiDAR state their ranges from what the LiDAR set shows there: what is left of their range
-// biases once a set has been fitted to all rows together.
+// Offsets between a LiDAR's ranges by row and the trained LiDAR set: the remaining range biases after a set was
+// fitted to all rows together.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -12,25 +12,25 @@ namespace simuli {
 
 class RowOffsets {
  public:
-  /// Returns that are farther than this from what the set shows are of something else.
+  /// Returns farther from the rendered surface belong to something else.
   static constexpr double kFarthest_m = 0.15;
-  /// Fewer returns of a row tell nothing.
+  /// Rows with fewer returns get no offset.
   static constexpr std::uint64_t kFewestReturns = 200;
 
   explicit RowOffsets(std::size_t rows);
-  /// A sweep as its file states it (after the biases known so far), and what the set shows of its rays.
+  /// Adds a recorded sweep (after the known biases) and its rays rendered from the set.
   void add(const Sweep& sweep, const RayResults& seen);
-  /// [rows] m, stated less shown: the mean of a row's medians by sector of azimuth, less the median of the
-  /// rows, as the set follows what all rows share. A row's own offset is the same in all directions, what the
-  /// set does not know of the street is not: so it shrinks by 1 - (sigma / offset)^2, down to 0, sigma from
-  /// the sectors. 0, too, below 3 mm, and for rows with few returns, or in few sectors.
+  /// Returns [rows] m, recorded minus rendered: the mean of a row's medians by azimuth sector, minus the median
+  /// over rows, because the set follows biases common to all rows. A row's own offset is equal in all
+  /// directions, errors of the set are not, so the offset is shrunk by 1 - (sigma / offset)^2, at least 0, with
+  /// sigma from the sectors. 0 below 3 mm, and for rows with few returns or sectors.
   [[nodiscard]] std::vector<double> offsets() const;
 
  private:
   static constexpr std::size_t kSectors = 8;
   static constexpr std::size_t kBins = 600;  // of half a millimetre
   using Counts = std::array<std::uint32_t, kBins>;
-  /// m; of no returns it can't be told.
+  /// Median in m; undefined without returns.
   [[nodiscard]] static double median_of(const Counts& counts, std::uint64_t all);
   std::vector<std::array<Counts, kSectors>> counts_;  // [rows]
 };

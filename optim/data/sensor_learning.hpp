@@ -1,11 +1,11 @@
 #pragma once
-// What no log tells of its LiDARs and its sweeps do: learned before a scene is made of them.
+// Learns LiDAR parameters that logs do not contain from their sweeps, before a scene is initialised.
 #include "io/log/frame_selection.hpp"
 
 namespace simuli {
 
-/// The log with what its training sweeps say of its LiDARs (range_bias.hpp, ego_vehicle.hpp, range_limit.hpp).
-/// Error{kInput} when a sweep can't be read.
+/// Returns the log with LiDAR parameters learned from its training sweeps (range_bias.hpp, ego_vehicle.hpp,
+/// range_limit.hpp). Throws Error{kInput} when a sweep cannot be read.
 [[nodiscard]] Log with_learned_sensors(Log log, const FrameSelection& frames);
 
 }  // namespace simuli

@@ -17,7 +17,7 @@ std::vector<FrameUse> uses_of(const std::vector<Frame>& frames, const HeldOutRul
   return uses;
 }
 
-/// How many of the frames compared had that use.
+/// Number of compared frames with that use.
 std::size_t count_of(const EvalFrames& frames, FrameUse use) {
   const auto count = [use](const std::vector<std::size_t>& compared, const std::vector<FrameUse>& uses) {
     if (uses.empty()) return std::ptrdiff_t{0};
@@ -27,7 +27,7 @@ std::size_t count_of(const EvalFrames& frames, FrameUse use) {
                                   count(frames.sweeps, frames.sweep_uses));
 }
 
-/// Says what training made of the frames.
+/// Sets the frames' uses by the training's rule.
 void take_uses(EvalFrames& frames, const Log& log, const FrameSelection& made) {
   const HeldOutRule rule(log, made);
   frames.image_uses = uses_of(log.images, rule);
@@ -43,7 +43,7 @@ void take_uses(EvalFrames& frames, const Log& log, const FrameSelection& made) {
   frames.sweep_uses.clear();
 }
 
-/// What is asked for instead of the training's own rule: wholly, or not at all.
+/// Applies a requested rule instead of the training's, completely or not at all.
 void take_rule(const EvalOptions& options, FrameSelection& as) {
   if (!options.held_out_every && !options.held_out_middle && !options.held_out_last &&
       !options.held_out_sensors) {
@@ -109,7 +109,7 @@ EvalFrames select_eval_frames(const Log& log, const SceneFile& scene, const Eval
   check_fields(as);
   EvalFrames frames{.asked = as};
   const HeldOutRule rule(log, as);
-  const bool all = held_out_text(as).empty();  // else what the rule holds out
+  const bool all = held_out_text(as).empty();  // otherwise the rule's held-out frames
   frames.images = all ? rule.training(log.images) : rule.held_out(log.images);
   frames.sweeps = all ? rule.training(log.sweeps) : rule.held_out(log.sweeps);
   if (frames.images.empty() && frames.sweeps.empty()) {

@@ -1,5 +1,5 @@
 #pragma once
-// Which frames of a log a scene is compared with, and what they are to it.
+// Selects the frames of a log that a scene is compared with, and their use in its training.
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -11,21 +11,21 @@
 namespace simuli {
 
 enum class FrameKind {
-  kHeldOut,   // of the log that the scene was trained on, and none of them was read
-  kTraining,  // it was trained on each
-  kMixed,     // on some
+  kHeldOut,  // of the training log, not read by training
+  kTraining,  // all were trained on
+  kMixed,  // some were trained on
   kOtherLog,  // the scene was trained on another log
-  kUnknown,   // the scene does not say what it was trained on
+  kUnknown,  // the scene has no training record
 };
 /// "held_out", "training", "mixed", "other_log", "unknown".
 [[nodiscard]] const char* to_string(FrameKind kind);
 
 struct EvalFrames {
   FrameKind kind = FrameKind::kUnknown;
-  FrameSelection asked = {};                          // size of the pictures, and what is compared; nothing
+  FrameSelection asked = {};  // picture size and rule; without a rule all frames
                                                       // held out: all frames
-  std::vector<std::size_t> images = {}, sweeps = {};  // indices into the log's
-  /// [log.images], [log.sweeps]: what each frame was to the scene's training; empty unless kind is kHeldOut.
+  std::vector<std::size_t> images = {}, sweeps = {};  // indices into the log's frames
+  /// [log.images], [log.sweeps]: use of each frame in the scene's training; empty unless kind is kHeldOut.
   std::vector<FrameUse> image_uses = {}, sweep_uses = {};
 
   /// Whether frames of that use are compared.
@@ -34,9 +34,9 @@ struct EvalFrames {
   [[nodiscard]] std::string label() const;
 };
 
-/// As the scene was trained, but for the size and the rule that `options` ask for. Of a log that it wasn't
-/// trained on nothing is held out: all frames, unless a rule is asked for. Error{kUsage} for a size or a rule
-/// outside its range, Error{kInput} when no frame is left.
+/// Returns the frames by the training's size and rule, or those that `options` request. For another log no
+/// frame is held out: all frames, unless a rule is requested. Throws Error{kUsage} for a size or rule outside
+/// its range, Error{kInput} when no frame is left.
 [[nodiscard]] EvalFrames select_eval_frames(const Log& log,
                                             const SceneFile& scene,
                                             const EvalOptions& options = {});

@@ -1,5 +1,5 @@
 #pragma once
-// What an evaluation is told.
+// Options of an evaluation.
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,22 +11,22 @@ namespace simuli {
 
 struct EvalOptions {
   std::optional<double> image_scale =
-      {};  // of the compared pictures over the recorded; nothing: as in training
-  // Nothing in all four: the frames that were not trained on. One that is there asks for a rule of its own,
-  // in which the others count as 0; all 0: all frames.
+      {};  // of compared relative to recorded pictures; no value: as in training
+  // Without any of these four: the frames that were not trained on. A value requests a rule of its own, in
+  // which missing values are 0; all 0: all frames.
   std::optional<int> held_out_every = {};                         // every N-th frame of each sensor
   std::optional<double> held_out_middle = {};                     // share of the path, around its middle
   std::optional<double> held_out_last = {};                       // share of the path, at its end
   std::optional<std::vector<std::string>> held_out_sensors = {};  // all frames of these
-  int timed_renders = 5;                                          // behind a first one that warms up
+  int timed_renders = 5;  // after a first render that warms up
   double actor_min_travel_m = 1.0;
   RenderOptions render = {};
 };
 
-/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
+/// The setting keys with allowed values and help (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(EvalOptions& o, F&& field) {
-  field.internal(o.image_scale);  // checked as those of a FrameSelection
+  field.internal(o.image_scale);  // checked like those of a FrameSelection
   field.internal(o.held_out_every);
   field.internal(o.held_out_middle);
   field.internal(o.held_out_last);
@@ -42,7 +42,7 @@ constexpr void visit_fields(EvalOptions& o, F&& field) {
   field.part("", o.render);
 }
 
-/// Error{kUsage} naming the key when one is outside its range.
+/// Throws Error{kUsage} with the key of an option outside its range.
 void check(const EvalOptions& options);
 
 }  // namespace simuli

@@ -6,7 +6,7 @@
 namespace simuli {
 namespace {
 
-/// What an evaluation takes from the training unless it is told.
+/// Defaults that an evaluation takes from the training.
 struct Told {
   double image_scale = 0.0;
   int held_out_every = -1;

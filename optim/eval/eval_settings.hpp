@@ -6,9 +6,9 @@
 
 namespace simuli {
 
-/// The options of `simuli eval --quality QUALITY --set SETTING...`: quality "" is balanced; settings are
-/// "key=value" each, "image_scale", "held_out_every", "held_out_middle" and "held_out_last" among the keys.
-/// Error{kUsage} naming key, found and allowed.
+/// Returns the options of `simuli eval --quality QUALITY --set SETTING...`: an empty quality is balanced; each
+/// setting is "key=value", including "image_scale", "held_out_every", "held_out_middle" and "held_out_last".
+/// Throws Error{kUsage} with key, found and allowed value.
 [[nodiscard]] EvalOptions eval_options(const std::string& quality, const std::vector<std::string>& settings);
 
 }  // namespace simuli

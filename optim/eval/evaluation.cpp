@@ -36,12 +36,12 @@ double time_render(const Device& device, const std::function<Frame()>& render, i
     const auto begin = std::chrono::steady_clock::now();
     render().wait();
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
-    if (i > 0) seconds.push_back(elapsed.count());  // the first compiles and allocates
+    if (i > 0) seconds.push_back(elapsed.count());  // the first render compiles and allocates
   }
   return median(std::move(seconds));
 }
 
-/// Of the rays that meet the world; `share_own` of those that are fired don't.
+/// Compares rays that hit the world; `share_own`: share of fired rays that hit the ego vehicle.
 SweepComparison compare_rays(const SweepPair& pair,
                              const LidarModel& lidar,
                              const Shot& in_scene,
@@ -70,7 +70,7 @@ SweepComparison compare_rays(const SweepPair& pair,
   return out;
 }
 
-/// Median |expected distance - range| over returned rays; NaN without one.
+/// Median |expected distance - range| over returned rays; NaN without any.
 double expected_median_m(const SweepPair& pair) {
   std::vector<double> errors;
   for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
@@ -91,7 +91,7 @@ bool same_path(const Trajectory& a, const Trajectory& b) {
                     });
 }
 
-/// Labels that the scene's training took for none: nobody is there.
+/// Removes labels that the scene's training rejected as empty.
 void leave_out(const std::vector<std::string>& names, Log& log, std::vector<std::string>& told) {
   std::erase_if(log.actors, [&](const Actor& label) {
     if (std::find(names.begin(), names.end(), label.name) == names.end()) return false;
@@ -101,8 +101,8 @@ void leave_out(const std::vector<std::string>& names, Log& log, std::vector<std:
   });
 }
 
-/// The log as the scene knows it: its labels sanitized (told in `sanitized`), its sensors, and for the log that it was
-/// trained on its path and the actors that it has. Training may have learned better.
+/// Returns the log with the scene's knowledge: sanitised labels (reported in `sanitized`), its sensors, and for
+/// the training log its trajectory and actors, which training may have improved.
 Log as_known_by(const SceneFile& scene, bool trained_on, Log log, std::vector<std::string>& sanitized) {
   sanitized = sanitize_labels(log);
   if (trained_on) leave_out(scene.training->labels_left_out, log, sanitized);
@@ -129,7 +129,7 @@ LidarFrame as_stated(const LidarModel& lidar, Sweep sweep) {
   return out;
 }
 
-/// The kinds of actors, each once.
+/// Returns the distinct kinds of actors.
 std::vector<std::string> kinds_of(const std::vector<Actor>& actors) {
   std::vector<std::string> kinds;
   for (const Actor& actor : actors) {
@@ -138,7 +138,7 @@ std::vector<std::string> kinds_of(const std::vector<Actor>& actors) {
   return kinds;
 }
 
-/// Whether the recorded picture shows the scene there.
+/// Whether the recorded pixel is known.
 bool is_known(const Image& truth, std::size_t pixel) { return truth.data[3 * pixel] >= 0.0F; }
 
 double square_of(const Image& rendered, const Image& truth, std::size_t pixel) {
@@ -150,7 +150,7 @@ double square_of(const Image& rendered, const Image& truth, std::size_t pixel) {
   return square;
 }
 
-/// Frames that are scored at a time, beside the rendering of the next: each has some pictures of its own.
+/// Frames scored concurrently with the rendering of the next; each needs several pictures.
 constexpr std::size_t kScoredAtOnce = 4;
 
 template <class Score>
@@ -162,7 +162,7 @@ struct Scored {
   ErrorPools pools;
 };
 
-/// Those in `view` that the picture can't show are not there.
+/// Removes actors that the picture cannot show from `view`.
 void leave_out_unseen(const Camera& camera, const std::vector<Actor>& actors, View& view) {
   const ViewCone cone(ImageView(camera, view.scene_from_sensor_start, view.scene_from_sensor_end));
   for (std::size_t i = 0; i < actors.size(); ++i) {
@@ -175,7 +175,7 @@ void leave_out_unseen(const Camera& camera, const std::vector<Actor>& actors, Vi
 
 }  // namespace
 
-/// One evaluation: what its two halves share.
+/// State of one evaluation.
 class Evaluation::Run {
  public:
   Run(Evaluation& of, const Progress& progress)
@@ -227,8 +227,8 @@ class Evaluation::Run {
     return pools.by_kind[static_cast<std::size_t>(kind - kinds_.begin())];
   }
   [[nodiscard]] ErrorPools pools() const { return ErrorPools(kinds_.empty() ? 0 : kinds_.size() + 1); }
-  /// `uses`: of the frames, as EvalFrames has them. start(index) renders a frame of those and scores it in time;
-  /// sums are taken in the frames' order.
+  /// `uses`: of the frames, as in EvalFrames. start(index) renders a frame and scores it asynchronously; sums
+  /// are added in frame order.
   template <class Score, class Start>
   [[nodiscard]] std::vector<Score> scored(const std::vector<std::size_t>& frames,
                                           const std::vector<FrameUse>& uses,
@@ -265,7 +265,7 @@ class Evaluation::Run {
   std::size_t done_ = 0;
 };
 
-/// Each use by itself, when frames of several are compared.
+/// Scores each use separately when frames of several uses are compared.
 void Evaluation::Run::take_uses() {
   if (by_use_.size() < 2) return;
   for (auto& [use, sums] : by_use_) {

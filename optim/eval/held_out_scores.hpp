@@ -1,5 +1,5 @@
 #pragma once
-// What frames that a training held out say of its scene, kept with the scene.
+// Scores of held-out frames, stored with the scene.
 #include <filesystem>
 #include <optional>
 
@@ -7,21 +7,21 @@
 
 namespace simuli {
 
-/// Of frames that are compared, whatever kind they are.
+/// Scores of the compared frames, of any kind.
 [[nodiscard]] HeldOutScores scores_of(const EvalReport& report);
 
-/// Runs the evaluation of a trained scene that was written to `folder`. Where it is of held-out frames, their
-/// scores go into that folder's scene.json (TrainingRecord::held_out). Errors as of Evaluation::run().
+/// Evaluates a trained scene that was written to `folder`. Scores of held-out frames are stored in that
+/// folder's scene.json (TrainingRecord::held_out). Throws as Evaluation::run().
 EvalReport score_trained(Evaluation& evaluation,
                          const std::filesystem::path& folder,
                          const Evaluation::Progress& progress = {});
 
-/// Whether the scene's training held frames out; of a log of few frames it may have none to hold out.
+/// Whether the scene's training held out frames; a log of few frames may have none.
 [[nodiscard]] bool has_held_out(const SceneFile& scene);
 
-/// What every training ends with: the scene in its folder, and then the scores of what was held out, if any
-/// was, for which `render` is how it was trained. `log` as it was read. The scene is there whatever becomes of
-/// its scores.
+/// Final step of every training: writes the scene to its folder, then evaluates held-out frames, if any, with
+/// the options `render` of the training. `log` as it was read. The scene is written even if the evaluation
+/// fails.
 std::optional<HeldOutScores> write_trained_scene(const std::filesystem::path& folder,
                                                  const Device& device,
                                                  SceneFile scene,

@@ -1,5 +1,5 @@
 #pragma once
-// How far away what a picture shows is, where the LiDAR says it.
+// Distances of a picture's pixels from LiDAR returns.
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace simuli {
 
-/// A recorded return where a picture shows it.
+/// A recorded return in a picture.
 struct SeenReturn {
   std::size_t pixel = 0;  // row-major
-  double range_m = 0.0;   // from the camera
+  double range_m = 0.0;  // from the camera
 };
 
 /// Recorded returns in pictures taken at about the same time.
@@ -20,11 +20,11 @@ class ReturnsNear {
  public:
   static constexpr double kFarthest_s = 0.1;
 
-  /// Both must outlive this.
+  /// Both must outlive this object.
   ReturnsNear(const Log& log, const Scene& scene) : log_(log), scene_(scene) {}
-  /// Those of the sweep nearest in time to the picture of `frame`, taken by `camera`; a pixel has the nearest
-  /// of those that fall on it. None when no sweep was taken within kFarthest_s. Error{kInput} when it can't
-  /// be read.
+  /// Projects the returns of the sweep nearest in time to the picture of `frame`, taken by `camera`; a pixel
+  /// keeps its nearest return. Empty when no sweep is within kFarthest_s. Throws Error{kInput} when the file
+  /// cannot be read.
   [[nodiscard]] std::vector<SeenReturn> in(const ImageFrame& frame, const Camera& camera);
 
  private:
@@ -33,7 +33,7 @@ class ReturnsNear {
 
   const Log& log_;
   const Scene& scene_;
-  std::optional<std::size_t> placed_;     // the sweep whose points these are
+  std::optional<std::size_t> placed_;  // the sweep of these points
   std::vector<Eigen::Vector3d> p_scene_;  // m
 };
 

@@ -1,12 +1,12 @@
 #pragma once
-// What a scene knows better than its log: where sensors sit, and what they are.
+// Sensors of a log with the parameters that its scene has learned.
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
 
 namespace simuli {
 
-/// The log with those of its sensors that the scene has, by name, mounted as there; LiDARs with the range
-/// limit, the blind arcs and the rows' range biases that the scene has found.
+/// Returns the log with mountings of sensors from the scene, by name; and for LiDARs the range limit, blind
+/// arcs and range biases from the scene.
 [[nodiscard]] Log with_sensors_of(const SceneFile& scene, Log log);
 
 }  // namespace simuli

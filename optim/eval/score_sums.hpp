@@ -1,5 +1,5 @@
 #pragma once
-// What the scores of frames are made of: errors of single pixels and rays, pooled over frames.
+// Sums of scores: errors of pixels and rays, pooled over frames.
 #include <array>
 #include <cstddef>
 #include <string>
@@ -9,13 +9,13 @@
 
 namespace simuli {
 
-/// Pixels and returned rays that have something in common.
+/// A group of pixels and returned rays.
 struct ErrorPool {
   std::size_t pixels = 0;
-  double square = 0.0;          // of their errors, over pixels and three channels
-  std::vector<float> errors_m;  // |d^ - d|, a value per return
-  std::size_t met = 0;          // returns for which is_met() holds
-  std::size_t dropped = 0;      // returns that the scene drops
+  double square = 0.0;  // sum of squared errors over pixels and three channels
+  std::vector<float> errors_m;  // |d^ - d| of each return
+  std::size_t met = 0;  // returns with is_met()
+  std::size_t dropped = 0;  // returns that the scene drops
   std::size_t returns_of_nothing = 0;
 
   void add(const ErrorPool& other);
@@ -26,26 +26,26 @@ struct ErrorPool {
   [[nodiscard]] double psnr_db() const;
   [[nodiscard]] double median_m() const;
   [[nodiscard]] double mean_m() const;
-  /// `count` of the returns; NaN without any.
+  /// `count` as a share of the returns; NaN without any.
   [[nodiscard]] double share(std::size_t count) const;
 };
 
-/// The pools of one frame or of many: by range, and by kind of actor with the background behind.
+/// Pools of one or many frames: by range, and by kind of actor, the background last.
 struct ErrorPools {
   explicit ErrorPools(std::size_t kinds) : by_kind(kinds) {}
   void add(const ErrorPools& other);
-  /// The pool of things `range_m` away.
+  /// The pool of objects at distance `range_m`.
   [[nodiscard]] ErrorPool& at(double range_m);
 
   std::array<ErrorPool, RangeScores::kFrom_m.size()> by_range;
   std::vector<ErrorPool> by_kind;
 };
 
-/// Mean of the values that are numbers.
+/// Mean of finite values.
 class Mean {
  public:
   void add(double value);
-  [[nodiscard]] double value() const;  // NaN of nothing
+  [[nodiscard]] double value() const;  // NaN without values
   [[nodiscard]] std::size_t left_out() const { return left_out_; }
 
  private:
@@ -57,7 +57,7 @@ class Mean {
 /// Sums over frames.
 class ScoreSums {
  public:
-  /// Kinds of actors; empty: the log has none that move.
+  /// Kinds of actors; empty if the log has no moving ones.
   explicit ScoreSums(std::vector<std::string> kinds);
 
   void add(const PictureScore& score, const ErrorPools& pools);
