@@ -1,12 +1,12 @@
 #pragma once
-// What takes long right now, for those who wait.
+// Describes slow work in progress to waiting users.
 #include <list>
 #include <mutex>
 #include <string>
 
 namespace simuli {
 
-/// Something under way, in whatever thread, for as long as it lives.
+/// Work in progress in any thread, during this object's lifetime.
 class Activity {
  public:
   explicit Activity(const std::string& text) {
@@ -20,7 +20,7 @@ class Activity {
     running().texts.remove_if([this](const std::string& text) { return &text == self_; });
   }
 
-  /// Of those that live, the last that began ("compiling kernels/render.cl"); empty when there is none.
+  /// Returns the latest activity in progress ("compiling kernels/render.cl"); empty without any.
   [[nodiscard]] static std::string now() {
     const std::lock_guard lock(running().mutex);
     return running().texts.empty() ? std::string() : running().texts.back();

@@ -1,25 +1,25 @@
 #pragma once
-// What values a field of an options struct may have: for visit_fields() beside the struct (fields.hpp).
+// Allowed values of a field of an options struct, for visit_fields() (fields.hpp).
 #include <array>
 #include <limits>
 #include <string>
 
 namespace simuli {
 
-/// Numbers between two bounds. Infinities and NaN are never among them.
+/// Numbers between two bounds; never infinities or NaN.
 struct Allowed {
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
-  bool above = false;                                      // the least itself is not allowed
-  double also = std::numeric_limits<double>::quiet_NaN();  // is, wherever the bounds are
-  bool even = false;                                       // even numbers alone
+  bool above = false;  // excludes the lower bound
+  double also = std::numeric_limits<double>::quiet_NaN();  // one more allowed value
+  bool even = false;  // only even numbers
 
   [[nodiscard]] bool holds(double value) const;
   /// "0 or more", "above 0, at most 1", "0, or 8 to 7200 and even".
   [[nodiscard]] std::string text() const;
 };
 
-/// Both bounds are allowed.
+/// Includes both bounds.
 [[nodiscard]] constexpr Allowed range(double least, double most) { return {.least = least, .most = most}; }
 [[nodiscard]] constexpr Allowed at_least(double least) { return {.least = least}; }
 [[nodiscard]] constexpr Allowed above(double least) { return {.least = least, .above = true}; }
@@ -36,14 +36,14 @@ struct Allowed {
   return other;
 }
 
-/// What trainings take of a field, where its values matter to them.
+/// Values of a field that trainings accept.
 enum class InTraining : char {
   kAny,          // any value that is allowed
-  kNoGradients,  // the default alone: other values have no backward pass
-  kFixed,        // the default alone: other values would change nothing, or are not offered
+  kNoGradients,  // only the default: other values have no backward pass
+  kFixed,  // only the default: other values would have no effect, or are not offered
 };
 
-/// The names of an enum's values 0, 1, ...
+/// Names of an enum's values 0, 1, ...
 template <class... Names>
 [[nodiscard]] constexpr std::array<const char*, sizeof...(Names)> one_of(Names... names) {
   return {names...};

@@ -1,5 +1,5 @@
 #pragma once
-// Angles that everyone needs, in rad.
+// Common angles in rad.
 #include <numbers>
 
 namespace simuli {

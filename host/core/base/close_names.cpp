@@ -10,8 +10,7 @@
 namespace simuli {
 namespace {
 
-/// Typing errors from one to the other: letters that are too many, too few, others, or two that changed
-/// places.
+/// Number of typing errors between two words: inserted, deleted or replaced letters, or transposed neighbours.
 std::size_t edits(const std::string& a, const std::string& b) {
   std::vector<std::size_t> before(b.size() + 1), previous(b.size() + 1), current(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) previous[j] = j;
@@ -35,13 +34,12 @@ std::vector<std::string> close_names(const std::string& given,
                                      const std::vector<std::string>& known_names,
                                      std::size_t most) {
   const std::string name = lower(given);
-  // One error in a short name makes another one of it as easily as two do in a longer.
+  // One error in a short name is as ambiguous as two in a longer one.
   const std::size_t most_edits = name.size() < 5 ? 1 : std::max<std::size_t>(2, name.size() / 3);
   std::vector<std::pair<std::size_t, std::string>> ranked;
   for (const std::string& known_name : known_names) {
     const std::string known = lower(known_name);
-    // The best alignment with the name or with a part of it that underscores or dots set off: "os1_64",
-    // "hdl64".
+    // Best match with the name or with a part of it between underscores or dots: "os1_64", "hdl64".
     std::size_t best = edits(name, known);
     constexpr char kSetOff[] = "_.";
     for (std::size_t at = known.find_first_of(kSetOff); at != std::string::npos;

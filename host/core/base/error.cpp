@@ -7,7 +7,7 @@
 namespace simuli {
 namespace {
 
-/// Of each part of a message, which may be a file's own text.
+/// Longest part of a message, because parts may quote a file.
 constexpr std::size_t kLongestPart = 1000;
 
 std::string part_of_message(std::string_view text) {

@@ -1,6 +1,6 @@
 #pragma once
-// The one error type of the library. Library code throws it and never prints or exits; the command
-// line prints what() and exits with exit_code().
+// The only error type of the library. Library code throws it and never prints or exits; the command line prints
+// what() and exits with exit_code().
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -9,23 +9,23 @@
 
 namespace simuli {
 
-/// What went wrong; the value is the exit code of the command line.
+/// Kind of failure; the value is the exit code of the command line.
 enum class ErrorKind : int {
   kUsage = 2,
   kInput = 3,
   kDevice = 4,
   kKernel = 5,
   kNumeric = 6,
-  kNothing = 8,  // of what was recorded nothing is left (7: ranks of a training differ)
+  kNothing = 8,  // no recorded data remain (7: ranks of a training differ)
   kInternal = 70,
 };
 
-/// The same of std::bad_alloc, which is left as it is: the host's memory ran out.
+/// Exit code for std::bad_alloc, which is not converted: the host is out of memory.
 inline constexpr int kMemoryExit = 71;
 
 class Error : public std::runtime_error {
  public:
-  /// The message becomes one line, whatever it quotes; a kKernel's is a driver's log and stays.
+  /// Converts the message to one line, except a kKernel's, which contains a driver's log.
   Error(ErrorKind kind, const std::string& message);
   [[nodiscard]] ErrorKind kind() const noexcept { return kind_; }
   [[nodiscard]] int exit_code() const noexcept { return static_cast<int>(kind_); }
@@ -40,13 +40,13 @@ class Error : public std::runtime_error {
                                     std::string_view found,
                                     std::string_view allowed);
 
-/// The same as Error{kNothing}.
+/// Throws the same as Error{kNothing}.
 [[noreturn]] void throw_nothing_left(std::string_view file,
                                      std::string_view field,
                                      std::string_view found,
                                      std::string_view allowed);
 
-/// Runs f; an Error that leaves it is rethrown with "while CONTEXT: " in front, its kind kept.
+/// Runs f; adds "while CONTEXT: " in front of an Error that f throws, and keeps its kind.
 template <class F>
 decltype(auto) with_context(std::string_view context, F&& f) {
   try {

@@ -42,7 +42,7 @@ std::string Allowed::text() const {
 
 namespace {
 
-/// The whole text as one value, or nothing.
+/// Parses the complete text as one value; no value on failure.
 template <class T>
 std::optional<T> parsed(const std::string& text) {
   T value{};
@@ -57,7 +57,7 @@ std::optional<T> parsed(const std::string& text) {
   return value;
 }
 
-/// Names with commas between; nothing where one is empty. No text is no names.
+/// Parses names separated by commas; no value when one is empty. An empty text gives no names.
 template <>
 std::optional<std::vector<std::string>> parsed(const std::string& text) {
   std::vector<std::string> names;
@@ -136,7 +136,7 @@ bool Field::set(const std::string& text) const {
 }
 
 std::string Fields::current_key(const std::string& key) {
-  // Old keys are in logs, scenes and scripts of version 0.1 (CHANGELOG.md).
+  // Logs, scenes and scripts of version 0.1 contain old keys (CHANGELOG.md).
   static constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kRenamed{{
       {"actors.fill", "actors.inpaint"},
       {"beside.reach_m", "off_trajectory.reach_m"},
@@ -219,7 +219,7 @@ void Fields::check() const {
   }
 }
 
-/// The words of `text` in lines of at most kColumns, each behind kIndent blanks.
+/// Wraps `text` to kColumns, indented by kIndent.
 static std::string folded(const std::string& text) {
   constexpr std::size_t kColumns = 96, kIndent = 6;
   std::string lines, line(kIndent, ' ');

@@ -1,21 +1,22 @@
 #pragma once
-// Options with keys. Beside each options struct stands, once,
+// Options with keys. Next to each options struct there is one visitor:
 //
 //   template <class F>
 //   constexpr void visit_fields(Options& o, F&& field) {
 //     field("voxel_m", o.voxel_m, range(1e-3, 100.0), "m, side of a voxel");    // a number
 //     field("shell", o.shell, "place particles of the far shell");              // true or false
-//     field("sensors", o.sensors, "that are left out");                         // names, with commas between
+//     field("sensors", o.sensors, "that are left out");                         // names separated by commas
 //     field("order", o.order, one_of("range", "per_ray"), "of blending");       // an enum
-//     field.group("Learning");                                                  // heads what follows in the help
+//     field.group("Learning");                                                  // heading of the following
+//         fields
 //     field.part("camera.", o.camera_rates);                                    // a struct of such fields
-//     field.part_in_training("", o.render);                                     // of a training
-//     field.internal(o.shape);                                                   // nothing that users set
+//     field.part_in_training("", o.render);                                     // a struct as part of a
+//         training
+//     field.internal(o.shape);                                                  // not user-settable
 //   }
 //
-// and from it come keys, parsing, range checks, help and the text that tells
-// one set of options from another. A member that the visitor leaves out is a compile error where the fields
-// are asked for.
+// It defines keys, parsing, range checks, help, and the text that identifies a set of options. A member that
+// the visitor leaves out is a compile error.
 #include <concepts>
 #include <cstddef>
 #include <string>
@@ -31,14 +32,14 @@ namespace simuli {
 
 namespace detail {
 
-/// Stands for any member of Options when they are counted; never evaluated.
+/// Converts to any member type of Options, for counting members; never evaluated.
 template <class Options>
 struct AnyMember {
   template <class T>
   requires(!std::same_as<T, Options>) constexpr operator T() const { return T(); }  // NOLINT: it converts
 };
 
-/// Members of an aggregate, a nested struct counting as one.
+/// Number of members of an aggregate; a nested struct counts as one.
 template <class Options, class... Found>
 consteval std::size_t member_count() {
   if constexpr (requires { Options{Found{}..., AnyMember<Options>{}}; }) {
@@ -48,7 +49,7 @@ consteval std::size_t member_count() {
   }
 }
 
-/// Counts what a visitor tells of.
+/// Counts the fields of a visitor.
 struct FieldCount {
   std::size_t count = 0;
   template <class... Told>
@@ -80,11 +81,11 @@ consteval std::size_t field_count() {
 
 }  // namespace detail
 
-/// True where visit_fields(Options&, ...) tells of every member.
+/// Whether visit_fields(Options&, ...) visits every member.
 template <class Options>
 inline constexpr bool kVisitsAllMembers = detail::field_count<Options>() == detail::member_count<Options>();
 
-/// Where the value of an enum is, and how it is read and written as a number.
+/// Access to the value of an enum as a number.
 struct EnumValue {
   void* at;
   std::size_t (*get)(const void* at);
@@ -94,23 +95,23 @@ struct EnumValue {
 struct Field {
   std::string key;
   std::variant<double*, int*, std::size_t*, bool*, std::vector<std::string>*, EnumValue> value;
-  Allowed range;                   // of numbers
-  std::vector<std::string> names;  // of an enum's values
+  Allowed range;  // for numbers
+  std::vector<std::string> names;  // for an enum's values
   std::string help;                // unit and meaning
   InTraining in_training = InTraining::kAny;
-  std::string group = {};  // heading that it stands below in the help; empty: none
+  std::string group = {};  // heading in the help; empty: none
 
-  [[nodiscard]] std::string text() const;     // of the value: what set() takes
-  [[nodiscard]] std::string allowed() const;  // values, in words
-  [[nodiscard]] bool is_sound() const;        // the value is one of those
-  /// The value from its text; false, and nothing set, for what is not allowed.
+  [[nodiscard]] std::string text() const;  // value as accepted by set()
+  [[nodiscard]] std::string allowed() const;  // description of the allowed values
+  [[nodiscard]] bool is_sound() const;  // whether the value is allowed
+  /// Parses and sets the value; returns false and sets nothing for a value that is not allowed.
   [[nodiscard]] bool set(const std::string& text) const;
 };
 
 /// The fields of one or several options structs, which must outlive this.
 class Fields {
  public:
-  /// Appends those of `options`, `prefix` before their keys.
+  /// Appends the fields of `options` with `prefix` before their keys.
   template <class Options>
   void part(const char* prefix, Options& options) {
     static_assert(kVisitsAllMembers<Options>, "visit_fields() leaves out a member of these options");
@@ -120,8 +121,8 @@ class Fields {
     prefix_ = outer;
     group_ = outer_group;
   }
-  /// The same of options that a training has: fields of which it takes the default alone are refused by
-  /// their own key where they are set to something else, and are not listed.
+  /// Appends fields of options that are part of a training: fields for which trainings only accept the default
+  /// are not listed, and other values are rejected by key.
   template <class Options>
   void part_in_training(const char* prefix, Options& options) {
     Fields own, usual;
@@ -137,7 +138,7 @@ class Fields {
       }
     }
   }
-  // What visitors call; see above. A group ends with the part that names it, or with the next one.
+  // Functions called by visitors; see above. A group ends with its part, or with the next group.
   void group(const char* heading) { group_ = heading; }
   template <class Number>
   void operator()(const char* key,
@@ -172,23 +173,23 @@ class Fields {
   void internal(const Member& /*unused*/) {}
 
   [[nodiscard]] const std::vector<Field>& all() const { return fields_; }
-  [[nodiscard]] const Field* find(const std::string& key) const;  // null: no such key
+  [[nodiscard]] const Field* find(const std::string& key) const;  // null: unknown key
   /// Returns the current key of a setting that was renamed, and any other key unchanged.
   [[nodiscard]] static std::string current_key(const std::string& key);
 
-  /// Sets fields from "key=value" lines. Error{kUsage} reading "WHERE KEY: found, allowed" for a value that
-  /// is not one of the key's, "WHERE: ..." for a key that is not there (naming those that resemble it) or
-  /// stands twice. What stood before the bad line is set.
+  /// Sets fields from "key=value" lines. Throws Error{kUsage} "WHERE KEY: found, allowed" for a value that is
+  /// not allowed, and "WHERE: ..." for an unknown key (with similar keys) or a repeated one. Lines before the
+  /// failing one take effect.
   void apply(const std::vector<std::string>& settings, const std::string& where = "--set");
-  /// "key=value" of each, which apply() takes: the text that tells these options from others.
+  /// Returns "key=value" lines as accepted by apply(), which identify these options.
   [[nodiscard]] std::vector<std::string> lines() const;
-  /// Error{kUsage} "KEY: found, allowed" for the first value outside its range.
+  /// Throws Error{kUsage} "KEY: found, allowed" for the first value outside its range.
   void check() const;
-  /// For people, group by group: "key=value" (as the default), allowed values, and below them the meaning.
+  /// Returns help text by group: "key=value" with the default, allowed values, and the meaning below.
   [[nodiscard]] std::string help() const;
 
  private:
-  /// A field of which a training takes the default alone.
+  /// A field for which trainings only accept the default.
   struct Fixed {
     Field field;
     std::string usual;
@@ -208,7 +209,7 @@ template <class Options>
   return fields;
 }
 
-/// Fields::lines() and check() of options that nobody changes.
+/// Fields::lines() and check() for a copy of options.
 template <class Options>
 [[nodiscard]] std::vector<std::string> lines_of(Options options) {
   return fields_of(options).lines();

@@ -4,7 +4,7 @@
 
 namespace simuli {
 
-/// Of pictures and cameras, whatever their format.
+/// Largest side of pictures and cameras.
 inline constexpr int kLargestSide_px = 65536;
 
 /// Interleaved float picture, row-major, top row first.

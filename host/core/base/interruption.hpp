@@ -3,8 +3,8 @@
 
 namespace simuli {
 
-/// Long calls of this thread ask `check` between pieces of their work, while this lives: what it throws ends them.
-/// They ask often (thousands of times a second); what they were making is then good for nothing.
+/// During its lifetime, long calls of this thread regularly call `check` (thousands of times a second); an
+/// exception thrown by it ends them, and their results are discarded.
 class Interruption {
  public:
   explicit Interruption(const std::function<void()>& check);
@@ -12,9 +12,9 @@ class Interruption {
   Interruption& operator=(const Interruption&) = delete;
   ~Interruption();
 
-  /// For the long calls.
+  /// Called by long-running functions.
   static void ask();
-  /// Whether anything is asked in this thread.
+  /// Whether this thread has an active check.
   [[nodiscard]] static bool is_on();
 
  private:

@@ -8,14 +8,14 @@
 
 namespace simuli {
 
-/// Keeps what was used last within a budget of bytes. What a caller still holds stays alive when it is
-/// dropped from the cache; an entry larger than the whole budget is handed out and not kept.
+/// A least-recently-used cache within a budget of bytes. Entries held by callers stay alive after eviction; an
+/// entry larger than the budget is returned and not stored.
 template <class T, class Key = std::size_t, class Hash = std::hash<Key>>
 class LruCache {
  public:
   explicit LruCache(std::size_t budget_bytes) : budget_bytes_(budget_bytes) {}
 
-  /// The entry under `key`, made by `make()` unless it is here. `bytes_of(entry)` is its size.
+  /// Returns the entry of `key`, calling `make()` if it is missing. `bytes_of(entry)` is its size.
   template <class Make, class BytesOf>
   std::shared_ptr<const T> get(const Key& key, const Make& make, const BytesOf& bytes_of) {
     if (auto found = find(key)) return found;
@@ -32,14 +32,14 @@ class LruCache {
     used_bytes_ += bytes;
     return value;
   }
-  /// The entry under `key`, now the one used last; null: not here.
+  /// Returns the entry of `key` and marks it as used; null if missing.
   [[nodiscard]] std::shared_ptr<const T> find(const Key& key) {
     const auto found = where_.find(key);
     if (found == where_.end()) return nullptr;
     entries_.splice(entries_.begin(), entries_, found->second);
     return found->second->value;
   }
-  /// The entry under `key`, which is no longer kept; null: not here.
+  /// Removes and returns the entry of `key`; null if missing.
   [[nodiscard]] std::shared_ptr<const T> take(const Key& key) {
     auto value = find(key);
     if (value) {
@@ -60,7 +60,7 @@ class LruCache {
   };
   std::size_t budget_bytes_;
   std::size_t used_bytes_ = 0;
-  std::list<Entry> entries_;  // last used first
+  std::list<Entry> entries_;  // most recently used first
   std::unordered_map<Key, typename std::list<Entry>::iterator, Hash> where_;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kLongestName = 128;
 
-/// How many bytes a character at `at` has that no name may hold; 0 when it may be there.
+/// Returns the bytes of a character at `at` that names may not contain; 0 for an allowed one.
 std::size_t forbidden(std::string_view text, std::size_t at) {
   return text[at] == '/' || text[at] == '\\' ? 1 : unprintable(text, at);
 }
@@ -43,7 +43,7 @@ std::string name_from(std::string_view text) {
     name += bytes > 0 ? '_' : text[i];
     i += std::max<std::size_t>(bytes, 1);
   }
-  // A character of several bytes is not cut in two.
+  // Does not cut multi-byte characters.
   if (name.size() == kLongestName) {
     std::size_t end = name.size();
     while (end > 0 && (static_cast<unsigned char>(name[end - 1]) & 0xC0U) == 0x80U) --end;

@@ -1,5 +1,5 @@
 #pragma once
-// Names of sensors, actors, scenes and logs: they come from files of anybody, and files are named after them.
+// Names of sensors, actors, scenes and logs. They come from untrusted files, and files are named after them.
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -7,14 +7,14 @@
 
 namespace simuli {
 
-/// Error{kInput} for what is no name: 1 to 128 bytes, no '/' and '\', no control characters, not beginning
-/// with a dot.
+/// Throws Error{kInput} for an invalid name: valid names have 1 to 128 bytes, no '/' or '\', no control
+/// characters, and do not begin with a dot.
 void need_name(std::string_view name, std::string_view file, std::string_view field);
 
-/// `text` as a name, for names that another program has chosen: what no name may hold becomes '_'.
+/// Converts a name chosen by another program to a valid one: invalid characters become '_'.
 [[nodiscard]] std::string name_from(std::string_view text);
 
-/// Where `name` stands in `names`; Error{kUsage} that calls it a `what`.
+/// Returns the index of `name` in `names`; throws Error{kUsage} that calls it a `what`.
 [[nodiscard]] std::size_t index_of_name(std::string_view name,
                                         const std::vector<std::string>& names,
                                         std::string_view what);

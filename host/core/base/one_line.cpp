@@ -5,13 +5,13 @@
 namespace simuli {
 namespace {
 
-/// Bytes of the UTF-8 character at `at` (RFC 3629); 0: none is there.
+/// Returns the bytes of the UTF-8 character at `at` (RFC 3629); 0 if invalid.
 std::size_t utf8_bytes(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
   const unsigned first = byte(at), second = byte(at + 1);
   if (first < 0x80U) return 1;
   const std::size_t bytes = first < 0xC2U ? 0 : first < 0xE0U ? 2 : first < 0xF0U ? 3 : first < 0xF5U ? 4 : 0;
-  // Neither longer than need be, nor halves of UTF-16, nor beyond U+10FFFF.
+  // Rejects overlong encodings, UTF-16 surrogates, and values above U+10FFFF.
   const unsigned least = first == 0xE0U ? 0xA0U : first == 0xF0U ? 0x90U : 0x80U;
   const unsigned most = first == 0xEDU ? 0x9FU : first == 0xF4U ? 0x8FU : 0xBFU;
   if (second < least || second > most) return 0;

@@ -11,14 +11,14 @@
 
 namespace simuli {
 
-/// Runs f(begin, end) over [0, count) in pieces on all cores, each the next that is free. For work in which each
-/// index is handled alone, so that the split does not show in the result. A part smaller than `smallest` is not worth
-/// a thread. Throws what f does, and what Interruption::ask() does in between.
+/// Runs f(begin, end) over parts of [0, count) on all cores, dynamically scheduled, for work in which each
+/// index is independent, so that the division does not affect results. Parts smaller than `smallest` are not
+/// worth a thread. Rethrows exceptions of f and of Interruption::ask().
 template <class F>
 void parallel_ranges(std::size_t count, const F& f, std::size_t smallest = 4096) {
   const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
   const std::size_t parts = std::clamp<std::size_t>(count / smallest, 1, cores);
-  constexpr std::size_t kPieces = 8;  // of a part, where they are worth it
+  constexpr std::size_t kPieces = 8;  // pieces per thread, for balance
   const std::size_t piece = std::clamp<std::size_t>(count / (kPieces * parts), smallest, 16 * smallest);
   std::atomic<std::size_t> next{0};
   std::vector<std::exception_ptr> thrown(parts);
@@ -30,7 +30,7 @@ void parallel_ranges(std::size_t count, const F& f, std::size_t smallest = 4096)
       }
     } catch (...) {
       thrown[i] = std::current_exception();
-      next = count;  // nothing more
+      next = count;  // stops further pieces
     }
   };
   {
@@ -51,7 +51,7 @@ void parallel_ranges(std::size_t count, const F& f, std::size_t smallest = 4096)
   }
 }
 
-/// The same with f(index).
+/// Runs f(index) for each index.
 template <class F>
 void parallel_each(std::size_t count, const F& f, std::size_t smallest = 4096) {
   const auto range = [&f](std::size_t begin, std::size_t end) {

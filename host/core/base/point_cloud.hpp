@@ -5,10 +5,10 @@
 
 namespace simuli {
 
-/// How a column of a cloud stands in files: float32, float64, unsigned 16-bit.
+/// Type of a cloud's column in files: float32, float64, unsigned 16-bit.
 enum class ColumnType { kFloat, kDouble, kUint16 };
 
-/// A point cloud: x y z (m), intensity in [0, 1], and whatever other named columns are given.
+/// A point cloud: x y z (m), intensity in [0, 1], and other named columns.
 struct PointCloud {
   std::vector<std::string> columns;                                               // at least "x", "y", "z"
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values;  // [N, columns]

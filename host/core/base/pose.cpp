@@ -34,7 +34,7 @@ Eigen::Matrix4d Pose::matrix() const {
 
 Pose Pose::from_matrix(const Eigen::Matrix<double, 3, 4>& a_from_b) {
   if (!a_from_b.allFinite()) throw_input_error("pose", "matrix", "NaN or Inf", "finite numbers");
-  // Calibration files print 6 or 7 digits: the nearest rotation is what was meant.
+  // Calibration files print 6 or 7 digits: uses the nearest rotation.
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(a_from_b.leftCols<3>(),
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Eigen::Matrix3d rotation = svd.matrixU() * svd.matrixV().transpose();
@@ -60,8 +60,8 @@ Eigen::Vector3d operator*(const Pose& a_from_b, const Eigen::Vector3d& p_b) {
   return a_from_b.rotation * p_b + a_from_b.translation;
 }
 
-/// As a.slerp(u, b). Within an exposure or a turn of a laser rotations lie close together, and there the arc's
-/// sines are a few terms of their series, exact to rounding, instead of an arc cosine and three sines.
+/// Equals a.slerp(u, b). For the small rotations within an exposure or a revolution it uses series of the
+/// sines, exact to rounding, instead of an arc cosine and three sines.
 static Eigen::Quaterniond slerp(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double u) {
   constexpr double kNear = 1e-3;  // of the squared chord: 3.6 degrees of rotation
   const double sign = a.dot(b) < 0.0 ? -1.0 : 1.0;

@@ -6,9 +6,9 @@
 
 namespace simuli {
 
-/// No projection of the Earth has larger coordinates.
+/// Larger than coordinates of any map projection of the Earth.
 inline constexpr double kFarthestPosition_m = 1e8;
-/// From the scene's origin: single precision is at 1 m there.
+/// Limit of distances from the scene's origin, where single precision resolves 1 m.
 inline constexpr double kFarthestInScene_m = 1e7;
 
 /// A rigid transform `a_from_b`: p_a = a_from_b * p_b. Rotation is a unit quaternion, translation in
@@ -19,19 +19,19 @@ struct Pose {
 
   [[nodiscard]] Pose inverse() const;
   [[nodiscard]] Eigen::Matrix4d matrix() const;
-  /// From the upper 3x4 of a matrix; the rotation block is replaced by the nearest rotation. Error{kInput}
-  /// when it is no rotation to begin with (a reflection, scaled, not finite).
+  /// Converts the upper 3x4 of a matrix; uses the rotation nearest to the rotation block. Throws Error{kInput}
+  /// for a block that is no rotation (reflected, scaled, not finite).
   static Pose from_matrix(const Eigen::Matrix<double, 3, 4>& a_from_b);
-  /// Error{kNumeric} naming `what` ("the sensor") unless it is within kFarthestInScene_m of a's origin
-  /// and the quaternion's norm 1 within 1e-3.
+  /// Throws Error{kNumeric} with `what` ("the sensor") unless the translation is within kFarthestInScene_m and
+  /// the quaternion's norm within 1e-3 of 1.
   void check(const std::string& what) const;
 };
 
 [[nodiscard]] Pose operator*(const Pose& a_from_b, const Pose& b_from_c);
 [[nodiscard]] Eigen::Vector3d operator*(const Pose& a_from_b, const Eigen::Vector3d& p_b);
 
-/// Pose between two world_from_sensor poses: slerp of the rotation (shorter arc), lerp of the sensor
-/// centre (METHOD section 3: interpolating the inverse would bend the path). u = 0 gives a, u = 1 gives b.
+/// Interpolates two world_from_sensor poses: slerp of the rotation (shorter arc), lerp of the sensor centre
+/// (METHOD section 3: interpolating the inverse would bend the path). u = 0 gives a, u = 1 gives b.
 [[nodiscard]] Pose interpolate(const Pose& a, const Pose& b, double u);
 
 }  // namespace simuli

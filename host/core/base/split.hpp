@@ -5,7 +5,7 @@
 
 namespace simuli {
 
-/// The parts of a text between the characters `at`: one more than there are of them, empty ones included.
+/// Splits a text at each character `at`, including empty parts.
 [[nodiscard]] inline std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts(1);
   for (const char c : text) {
@@ -18,7 +18,7 @@ namespace simuli {
   return parts;
 }
 
-/// With small letters for those of ASCII, in any locale.
+/// Converts ASCII letters to lower case, in any locale.
 [[nodiscard]] inline std::string lower(std::string_view text) {
   std::string out(text);
   for (char& letter : out) {

@@ -1,13 +1,13 @@
 #pragma once
-// Numbers that look drawn, from numbers: the same everywhere.
+// Deterministic pseudo-random numbers by hashing, equal on all machines.
 #include <cstdint>
 
 namespace simuli {
 
-/// By which the state of a generator grows from one number to the next.
+/// Increment of the generator's state.
 inline constexpr std::uint64_t kSplitmixStep = 0x9E3779B97F4A7C15ULL;
 
-/// splitmix64, of the state before its step: every bit of the input moves half of the output's.
+/// splitmix64 of a state before its increment: every input bit changes half of the output bits.
 [[nodiscard]] constexpr std::uint64_t splitmix(std::uint64_t x) {
   x += kSplitmixStep;
   x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
@@ -15,7 +15,7 @@ inline constexpr std::uint64_t kSplitmixStep = 0x9E3779B97F4A7C15ULL;
   return x ^ (x >> 31U);
 }
 
-/// In [0, 1), for a number of a stream of a seed.
+/// Returns a number in [0, 1) by seed, stream and index.
 [[nodiscard]] constexpr double drawn(std::uint64_t seed, std::uint64_t stream, std::uint64_t number) {
   const std::uint64_t bits = splitmix(seed * kSplitmixStep + (stream << 40U) + number);
   return static_cast<double>(bits >> 11U) * 0x1.0p-53;

@@ -5,14 +5,14 @@
 
 namespace simuli {
 
-/// Median and half the distance of the quartiles of at least one sample.
+/// Median and half the interquartile range of at least one sample.
 struct Spread {
   double median = 0.0;
   double half_iqr = 0.0;
 };
 [[nodiscard]] Spread spread_of(std::vector<double> samples);
 
-/// The middle one, the upper of the two when their number is even; 0 of nothing.
+/// Returns the median, the upper of two middle values; 0 without values.
 template <class Number>
 [[nodiscard]] Number upper_median(std::vector<Number> samples) {
   if (samples.empty()) return Number{0};

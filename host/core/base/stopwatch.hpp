@@ -4,7 +4,7 @@
 
 namespace simuli {
 
-/// Time by the system's steady clock since the object was made.
+/// Measures time with the steady clock since construction.
 class Stopwatch {
  public:
   [[nodiscard]] double seconds() const {
@@ -16,7 +16,7 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// Milliseconds that f takes.
+/// Returns the milliseconds that f takes.
 template <class F>
 [[nodiscard]] double time_ms(F&& f) {
   const Stopwatch watch;

@@ -14,7 +14,7 @@ namespace {
 
 std::size_t padded(std::size_t bytes) { return (bytes + 3) / 4 * 4; }
 
-/// The linker's note, as hexadecimal digits.
+/// Extracts the linker's build ID in hexadecimal digits.
 std::string build_id_in(const std::byte* notes, std::size_t bytes) {
   for (std::size_t at = 0; at + sizeof(ElfW(Nhdr)) <= bytes;) {
     ElfW(Nhdr) note{};
@@ -35,7 +35,7 @@ std::string build_id_in(const std::byte* notes, std::size_t bytes) {
   return "";
 }
 
-/// Of the object that this function is in.
+/// Finds the build ID of the object that contains this function.
 int find_build_id(dl_phdr_info* object, std::size_t /*bytes*/, void* found) {
   const std::span parts(object->dlpi_phdr, object->dlpi_phnum);
   const auto here = reinterpret_cast<ElfW(Addr)>(&find_build_id) - object->dlpi_addr;

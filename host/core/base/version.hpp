@@ -6,8 +6,8 @@ namespace simuli {
 /// "0.1.0"
 [[nodiscard]] const char* version();
 
-/// What the linker calls the program or library that this is part of, in hexadecimal digits: no other build's.
-/// Empty where it has given no such number. SIMULI_TEST_BUILD is appended: another one, for tests.
+/// Returns the linker's build ID of the program or library that contains this code, in hexadecimal digits;
+/// unique to a build. Empty without one. SIMULI_TEST_BUILD is appended, which simulates another build in tests.
 [[nodiscard]] std::string build_id();
 
 }  // namespace simuli

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kSeenShare = 0.1;
 
-/// A particle at the mirror image of where it is: y becomes -y. Rotations turn the other way about x and z;
-/// of the spherical harmonics those with m < 0 change with y.
+/// Mirrors a particle: y becomes -y. Rotations about x and z change their sign, and so do the spherical
+/// harmonics with m < 0.
 void mirror_row(GaussianSet& set, Eigen::Index row) {
   set.mean()(row, 1) *= -1.0F;
   set.rotation()(row, 1) *= -1.0F;
@@ -21,7 +21,7 @@ void mirror_row(GaussianSet& set, Eigen::Index row) {
   }
 }
 
-/// Replaces the particles of the side that was not seen (of that sign of y).
+/// Replaces the particles of the unseen side (by the sign of y).
 void mirror_set(GaussianSet& set, std::uint32_t number, float unseen) {
   std::vector<Eigen::Index> kept, copied;
   for (Eigen::Index i = 0; i < set.size(); ++i) {
@@ -51,7 +51,7 @@ SidesSeen sides_seen(const SupportRecord& record, const std::string& actor) {
   for (const SupportView& view : record.views) {
     if (!recorded.is_there(view.time_s)) continue;
     const Eigen::Vector3d p_actor = recorded.at(view.time_s).inverse() * view.world_from_view.translation;
-    // The view itself must hold the actor.
+    // The actor must be inside the view.
     const Eigen::Vector3d p_view = view.world_from_view.inverse() * recorded.at(view.time_s).translation;
     const SupportGrid& grid = record.sensors[view.sensor].grid;
     if (grid.cell_of(p_view) >= grid.cells()) continue;

@@ -1,5 +1,5 @@
 #pragma once
-// Actors of which one side alone was ever seen.
+// Completes actors that were recorded from one side only, by mirroring.
 #include <string>
 
 #include "host/core/record/support_record.hpp"
@@ -7,19 +7,19 @@
 
 namespace simuli {
 
-/// From how many recorded frames of cameras and LiDARs an actor was looked at from its left and from its
-/// right, at least kSidewards of the way across; whatever stood between.
+/// Number of recorded frames of cameras and LiDARs that view an actor from its left and from its right, at
+/// least kSidewards to the side; ignores occlusion.
 struct SidesSeen {
   std::size_t left = 0, right = 0;
 };
 inline constexpr double kSidewards = 0.1;
-/// Error{kUsage} for a name that the record has not.
+/// Throws Error{kUsage} for a name that the record does not contain.
 [[nodiscard]] SidesSeen sides_seen(const SupportRecord& record, const std::string& actor);
 
-/// Gives the actor's other side the particles of the one that was seen, mirrored at its middle, colours and
-/// all, in place of its own: vehicles are alike on both sides, but for what is written on them. Does nothing,
-/// and returns false, where both sides were seen from more than a tenth of the frames that saw either.
-/// `recorded`: its name in the record. Error{kUsage} for names that there are not.
+/// Replaces the particles of the actor's unseen side by those of the seen side, mirrored at its middle,
+/// including colours: vehicles are symmetric except for lettering. Returns false and does nothing when each
+/// side was seen in more than a tenth of the frames that show either. `recorded`: its name in the record.
+/// Throws Error{kUsage} for unknown names.
 bool mirror_actor(Scene& scene,
                   const SupportRecord& record,
                   const std::string& actor,

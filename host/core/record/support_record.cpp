@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kCellPixels = 4, kMostCameraColumns = 80;
 constexpr int kCellFirings = 4, kMostLidarColumns = 240, kMostLidarRows = 64;
-constexpr double kSteepest = 8.0;  // rows end there, 83 degrees up or down
+constexpr double kSteepest = 8.0;  // limit of rows, 83 degrees up or down
 
 struct GridPosition {
   double column = 0.0, row = 0.0;
@@ -24,7 +24,7 @@ GridPosition position_of(const Eigen::Vector3d& d) {
   return {d.x() >= 0.0 ? side : behind, d.z() / std::max(std::hypot(d.x(), d.y()), 1e-9)};
 }
 
-/// The grid's extent: a trifle wider than what it is to hold.
+/// The grid's extent: slightly wider than its content.
 class Extent {
  public:
   void add(const Eigen::Vector3d& direction) {
@@ -57,7 +57,7 @@ SupportGrid grid_of_lidar(const Lidar& lidar) {
     low = std::min(low, row.elevation), high = std::max(high, row.elevation);
     extent.add(Lidar::direction(0.0, row.elevation));
   }
-  // Half of the way from beam to beam around them.
+  // Half the angle between neighbouring beams.
   const int count = static_cast<int>(lidar.rows.size());
   const double step = count > 1 ? (high - low) / (count - 1) : 0.01;
   extent.add(Lidar::direction(0.0, low - 0.5 * step));
@@ -106,7 +106,7 @@ double rays_per_rad(const LidarModel& lidar) {
   if (const auto* rows = std::get_if<Lidar>(&lidar)) {
     return rows->columns / std::max(std::abs(rows->azimuth_span), 1e-3);
   }
-  // As if they were spread over a quarter of what there is to see.
+  // As if the rays covered a quarter of the field of view.
   return std::max(0.5 * std::sqrt(static_cast<double>(ray_count(lidar))), 1.0);
 }
 
@@ -133,7 +133,7 @@ void validate(const SupportRecord& record, const std::string& where) {
     if (!std::isfinite(view.time_s)) throw_input_error(where, field + ".time_s", "no number", "finite");
     cells += record.sensors[view.sensor].grid.cells();
   }
-  constexpr std::size_t kMostCells = std::size_t{1} << 24U;  // floats count that far
+  constexpr std::size_t kMostCells = std::size_t{1} << 24U;  // exactly representable in float
   if (cells != record.cells.size() || cells > kMostCells) {
     throw_input_error(where,
                       "support: cells",

@@ -155,7 +155,7 @@ double Actor::travel_m() const {
 
 void validate(const Actor& actor, const std::string& where) {
   if (actor.name.empty()) throw_input_error(where, "name", "none", "a name of its own");
-  // Surfaces within a box are looked for in cells of 0.1 m: what is on the road is smaller than this.
+  // Surfaces in boxes are searched in cells of 0.1 m; road users are smaller than this.
   constexpr double kLongest_m = 200.0, kMost_m3 = 1e5;
   if (!(actor.size_m.allFinite() && actor.size_m.minCoeff() > 0.0 && actor.size_m.maxCoeff() <= kLongest_m &&
         actor.size_m.prod() <= kMost_m3)) {
@@ -196,7 +196,7 @@ std::size_t find_actor(const std::vector<Actor>& actors, const std::string& name
     if (actors[i].name == name) return i;
     known.push_back(actors[i].name);
   }
-  // Of many, those that resemble it; all of them where nobody would see the one that is meant otherwise.
+  // Of many names lists the similar ones; all of them where none is similar.
   constexpr std::size_t kFew = 8;
   const std::string meant = did_you_mean(name, known);
   std::string allowed = fmt::format("{}", fmt::join(known, ", "));

@@ -101,7 +101,7 @@ bool ColorGrids::add_towards(const Eigen::Vector3d& direction_world,
   if (part.model == nullptr) return false;
   Eigen::Vector2d pixel;
   if (!part.model->project(looks[part.frame].conjugate() * direction_world, pixel)) return false;
-  constexpr double kBeyond = 0.5;  // of a cell: what a vertex on the picture's border stands for, too
+  constexpr double kBeyond = 0.5;  // of a cell: a vertex on the picture's border represents this much beyond it
   const Eigen::Array2d last(size_x - 1.0, size_y - 1.0);
   const Eigen::Array2d place = pixel.array() / Eigen::Array2d(part.model->width, part.model->height) * last;
   if (!(place >= -kBeyond).all() || !(place <= last + kBeyond).all()) return false;

@@ -12,7 +12,7 @@
 namespace simuli {
 namespace {
 
-/// Rows of a set's particles of that number (GaussianSet::actor).
+/// Rows of a set's particles with that owner number (GaussianSet::actor).
 std::vector<Eigen::Index> rows_of(const GaussianSet& set, std::uint32_t number) {
   std::vector<Eigen::Index> rows;
   for (std::size_t i = 0; i < set.actor.size(); ++i) {
@@ -38,14 +38,14 @@ void remove_particles(GaussianSet& set, std::uint32_t number) {
   }
 }
 
-/// Puts another actor, without particles, behind the scene's.
+/// Appends an actor without particles.
 void add_empty(Scene& scene, Actor actor) {
   make_room_for_actor(scene, scene.camera);
   make_room_for_actor(scene, scene.lidar);
   scene.actors.push_back(std::move(actor));
 }
 
-/// Appends the particles of `from` with number `number` as those of `as`.
+/// Appends the particles of `from` with owner `number` to `to`, with owner `as`.
 void copy_particles(const GaussianSet& from, std::uint32_t number, GaussianSet& to, std::uint32_t as) {
   const std::vector<Eigen::Index> rows = rows_of(from, number);
   if (rows.empty()) return;
@@ -71,7 +71,7 @@ void need_new_name(const Scene& scene, const std::string& name) {
   throw Error(ErrorKind::kUsage, fmt::format("actor: found the name \"{}\", allowed one that is new", name));
 }
 
-// How each edit changes a track: the one place, for scenes and for single frames.
+// Defines the effect of each edit on a track, for scenes and for single frames.
 
 void change(Actor& actor, const ActorEdit::Remove&) { actor.track.clear(); }
 
@@ -95,7 +95,7 @@ void change(Actor& actor, const ActorEdit::Turn& turn) {
 }
 
 void change(Actor& actor, const ActorEdit::Retime& retime) {
-  // Beyond these, times of a track of nanoseconds fall together.
+  // Beyond these, nanosecond times of a track coincide.
   constexpr double kFastest = 1e3, kLatest_s = 1e6;
   if (!(retime.rate >= 1.0 / kFastest && retime.rate <= kFastest && std::abs(retime.delay_s) <= kLatest_s)) {
     throw Error(ErrorKind::kUsage,
@@ -121,7 +121,7 @@ void change(Actor& actor, const ActorEdit::Retrack& retrack) {
   Actor moved = actor;
   moved.track = retrack.track;
   validate(moved, "track");
-  // It begins to move as it did.
+  // Starts with the recorded motion.
   if (!actor.track.empty())
     moved.deformation.start_s += moved.track.front().time_s - actor.track.front().time_s;
   actor = std::move(moved);
@@ -170,7 +170,7 @@ void resize_actor(Scene& scene, const std::string& name, double factor) {
   }
   Actor resized = scene.actors[number - 1];
   resized.size_m *= factor;
-  validate(resized, "resize");  // as where it is read again
+  validate(resized, "resize");  // as when it is read back
   for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
     const auto log_factor = static_cast<float>(std::log(factor));
     for (const Eigen::Index row : rows_of(*set, number)) {

@@ -1,6 +1,6 @@
 #pragma once
-// Edits of a trained scene: what its actors do, and which there are. All sensors see the same edit; nothing
-// is trained again. Error{kUsage} for names that the scene does not have, or already has.
+// Edits of a trained scene: motion and presence of its actors. All sensors see the same edit, without training.
+// Throws Error{kUsage} for unknown names and for names already in use.
 #include <Eigen/Core>
 #include <string>
 #include <variant>
@@ -10,18 +10,18 @@
 
 namespace simuli {
 
-/// One change of what an actor does. Its particles stay as they are, so that a single frame can be edited
-/// without a scene of its own.
+/// A change of an actor's motion. Its particles do not change, so a single frame can be edited without copying
+/// the scene.
 struct ActorEdit {
-  struct Remove {};                                  // it is nowhere
-  struct Move {                                      // throughout its track, in its own frame
+  struct Remove {};  // absent from all frames
+  struct Move {  // along its whole track, in its own frame
     Eigen::Vector3d by_m = Eigen::Vector3d::Zero();  // forward, left, up
   };
-  struct Turn {            // throughout its track, about its own up
+  struct Turn {  // along its whole track, about its own up axis
     double yaw_rad = 0.0;  // to its left
   };
-  struct Retime {          // the track again, from where it begins
-    double rate = 1.0;     // times as fast, above 0
+  struct Retime {  // replays the track, from its start
+    double rate = 1.0;  // speed factor, above 0
     double delay_s = 0.0;  // later than recorded
   };
   struct Retrack {
@@ -33,46 +33,46 @@ struct ActorEdit {
   Change change;
 };
 
-/// `actors` after the edits, in their order: one that is removed has no track left. Error{kUsage} for a
-/// name that there is not and numbers that are not allowed, Error{kInput} for a track that validate()
-/// refuses.
+/// Returns `actors` after the edits, in order; a removed actor has an empty track. Throws Error{kUsage} for
+/// unknown names and invalid numbers, Error{kInput} for a track that validate() rejects.
 [[nodiscard]] std::vector<Actor> edited(std::vector<Actor> actors, const std::vector<ActorEdit>& edits);
 
-/// Takes an actor and its particles away.
+/// Removes an actor and its particles.
 void remove_actor(Scene& scene, const std::string& name);
 
-/// The edit for good: a removal takes the particles, too.
+/// Applies the edit permanently; a removal also removes the particles.
 void edit_actor(Scene& scene, const ActorEdit& edit);
 
-/// ActorEdit::Move for good.
+/// Applies ActorEdit::Move permanently.
 void move_actor(Scene& scene, const std::string& name, const Eigen::Vector3d& by_m);
 
-/// ActorEdit::Turn for good.
+/// Applies ActorEdit::Turn permanently.
 void turn_actor(Scene& scene, const std::string& name, double yaw_rad);
 
-/// Makes an actor `factor` times as large: its box and its particles, about the middle of the box's base, so
-/// that it stands where it stood. Error{kUsage} for a factor that is not above 0 and finite, Error{kInput} for
-/// a box that validate() refuses.
+/// Scales an actor by `factor`: its box and its particles, about the middle of the box's base, so that it stays
+/// on the ground. Throws Error{kUsage} for a factor that is not above 0 and finite, Error{kInput} for a box
+/// that validate() rejects.
 void resize_actor(Scene& scene, const std::string& name, double factor);
 
-/// ActorEdit::Retime for good.
+/// Applies ActorEdit::Retime permanently.
 void retime_actor(Scene& scene, const std::string& name, double rate, double delay_s);
 
-/// ActorEdit::Retrack for good.
+/// Applies ActorEdit::Retrack permanently.
 void retrack_actor(Scene& scene, const std::string& name, std::vector<KeyPose> track);
 
-/// Adds a second actor `copy_name` with the particles and the track of `name`. Error{kInput} for what is no name
-/// (need_name()), Error{kUsage} for one that is taken.
+/// Adds a second actor `copy_name` with the particles and the track of `name`. Throws Error{kInput} for an
+/// invalid name (need_name()), Error{kUsage} for one in use.
 void duplicate_actor(Scene& scene, const std::string& name, const std::string& copy_name);
 
 /// Adds the actor `name` of another scene as `new_name`, with its particles of both sets. Its track is in the
-/// other scene's world: give it one of this world with retrack_actor(). SH bands that a set does not have are
-/// dropped, missing ones are 0.
+/// other scene's world: set one of this world with retrack_actor(). SH bands that a set lacks are dropped,
+/// missing ones are 0.
 void add_actor(Scene& scene, const Scene& other, const std::string& name, const std::string& new_name);
 
-/// What stands still in `object` as the only actor of a scene, for add_actor(). Its box holds all but the
-/// outermost of its particles, of the camera set, or of the LiDAR set where that is empty. It stands on world_from_base, the
-/// middle of its box's base, at all times. Error{kInput} for an object without particles.
+/// Converts the static particles of `object` to the only actor of a scene, for add_actor(). Its box contains
+/// all but the outermost particles of the camera set, or of the LiDAR set if that is empty. It stands on
+/// world_from_base, the middle of its box's base, at all times. Throws Error{kInput} for an object without
+/// particles.
 [[nodiscard]] Scene as_actor(const Scene& object, const std::string& name, const Pose& world_from_base);
 
 }  // namespace simuli

@@ -5,8 +5,8 @@
 
 namespace simuli {
 
-/// Rows of the parameter matrix, the same on host and device (SIM_MEAN.. of cl/shared/layout.h).
-/// SH coefficient k of channel c is row kShRow + 3 k + c.
+/// Rows of the parameter matrix on host and device (SIM_MEAN.. of cl/shared/layout.h). SH coefficient k of
+/// channel c is row kShRow + 3 k + c.
 enum ParamRow : int { kMeanRow = 0, kLogScaleRow = 3, kRotationRow = 6, kOpacityRow = 10, kShRow = 11 };
 
 /// Channels of the camera set: linear-free sRGB colour in [0,1] (0.5 + SH). Of the LiDAR set:
@@ -23,8 +23,9 @@ struct GaussianSet {
   SetKind kind = SetKind::kCamera;
   int sh_degree = 0;
   Eigen::MatrixXf params;  // [N, param_rows(sh_degree)]
-  /// [N] whose particle it is: 0 of the background, i + 1 of Scene::actors[i], in whose frame its parameters
-  /// are; behind these what Scene::visibility_sets show and what occluders hide. Empty: all are of the background.
+  /// [N] owner of each particle: 0 for the background, i + 1 for Scene::actors[i], in whose frame its
+  /// parameters are; then visibility sets, disoccluded and inpainted sets (occluders.hpp). Empty: all
+  /// background.
   std::vector<std::uint32_t> actor;
 
   GaussianSet() = default;

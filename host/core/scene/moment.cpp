@@ -12,7 +12,7 @@
 namespace simuli {
 namespace {
 
-/// The particles of that number (GaussianSet::actor), none of which it says.
+/// Returns the particles of that owner (GaussianSet::actor), without owner numbers.
 GaussianSet of_owner(const GaussianSet& set, std::uint32_t number) {
   if (set.actor.empty()) return number == 0 ? set : GaussianSet(set.kind, set.sh_degree, 0);
   std::vector<Eigen::Index> rows;
@@ -33,8 +33,8 @@ void deform(GaussianSet& set, const DeformationView& shape) {
   }
 }
 
-/// Of a visibility_set's particles those that stand nearest to its own path: what several visibility_sets have of one place is
-/// there once then.
+/// Keeps the particles of a visibility set that are nearest to its own path, so that several sets do not
+/// represent the same place twice.
 GaussianSet nearest_to(const Scene& scene, std::size_t visibility_set, GaussianSet set) {
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < set.size(); ++i) {
@@ -55,7 +55,7 @@ GaussianSet joined(const std::vector<GaussianSet>& parts) {
   return out;
 }
 
-/// Returns the visibility_set that particles of a number are of, either directly or through an occluder of the visibility_set.
+/// Returns the visibility set of an owner number, directly or through its occluder.
 std::optional<std::size_t> visibility_set_of(const Scene& scene, std::uint32_t number) {
   const OwnerNumbers numbers = owner_numbers(scene);
   if (const auto occluder = numbers.occluder_of(number)) return occluders_of(scene)[*occluder].visibility_set;

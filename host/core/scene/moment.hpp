@@ -1,14 +1,14 @@
 #pragma once
-// A scene's particles as one set without actors, for programs that know none.
+// A scene's particles as one set without actors, for formats without actors.
 #include "host/core/scene/scene.hpp"
 
 namespace simuli {
 
-/// The particles of the background without any actor, and what fills the places that are seen then.
+/// Returns the background without actors, including the inpainted sets.
 [[nodiscard]] GaussianSet background_of(const Scene& scene, SetKind kind);
 
-/// The background's particles, then those of the actors that are there at that time (seconds of the log),
-/// where they are then: m from Scene::origin.
+/// Returns the background, followed by the actors present at that time (seconds of the log) at their positions
+/// then: m from Scene::origin.
 [[nodiscard]] GaussianSet moment_of(const Scene& scene, SetKind kind, double time_s);
 
 }  // namespace simuli

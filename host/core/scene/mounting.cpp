@@ -24,7 +24,7 @@ Pose Mounting::rig_from_lidar() const {
 Pose Mounting::rig_from_camera() const { return rig_from_lidar() * kLevelFromCamera; }
 
 Mounting Mounting::of_lidar(const Pose& rig_from_lidar) {
-  constexpr double kUpright = 1.0 - 1e-12;  // sine of a pitch that leaves roll and yaw one turn
+  constexpr double kUpright = 1.0 - 1e-12;  // sine of the pitch above which roll and yaw are not distinguishable
   const Eigen::Matrix3d r = rig_from_lidar.rotation.normalized().toRotationMatrix();
   Mounting mounting{.position_m = rig_from_lidar.translation};
   mounting.pitch_deg = std::asin(std::clamp(-r(2, 0), -1.0, 1.0)) / kDegree;

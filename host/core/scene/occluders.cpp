@@ -5,7 +5,7 @@
 namespace simuli {
 namespace {
 
-// As far as a track that is stated anew may be from the recorded one.
+// Tolerances for a re-specified track to count as the recorded one.
 constexpr double kSame_m = 0.1, kSame_rad = 0.02, kSameSize = 0.01;
 
 bool is_same(const Pose& a, const Pose& b) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kAxisBits = 21;  // three of them in a word
 
-/// The lowest 21 bits of x, two zeros between one and the next.
+/// Spreads the lowest 21 bits of x with two zeros between them.
 std::uint64_t spread(std::uint64_t x) {
   x = (x | x << 32U) & 0x001f00000000ffffU;
   x = (x | x << 16U) & 0x001f0000ff0000ffU;
@@ -23,7 +23,7 @@ std::uint64_t spread(std::uint64_t x) {
 std::uint64_t cell_of(float position_m) {
   constexpr float kHalf = 1U << (kAxisBits - 1);
   const float cell = std::floor(position_m * kCoherentCellsPerMetre) + kHalf;
-  // What is not a number is not above 0.
+  // NaN fails the comparison.
   if (!(cell > 0.0F)) return 0;
   return static_cast<std::uint64_t>(std::min(cell, 2.0F * kHalf - 1.0F));
 }
@@ -66,7 +66,7 @@ std::vector<Eigen::Index> coherent_order(const GaussianSet& set) {
 GaussianSet in_coherent_order(GaussianSet set) {
   const std::vector<Eigen::Index> order = coherent_order(set);
   if (std::is_sorted(order.begin(), order.end())) return set;
-  // A parameter at a time, so that a set of millions never stands in memory twice.
+  // One parameter at a time, so that large sets are never in memory twice.
   for (Eigen::Index row = 0; row < set.params.cols(); ++row) {
     set.params.col(row) = set.params.col(row)(order).eval();
   }

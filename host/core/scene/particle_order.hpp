@@ -1,6 +1,6 @@
 #pragma once
-// Which particle stands where: neighbours in space are to be neighbours in memory, so that kernels which take
-// particles by the vector or work-group find whole groups outside of a frame, and what a tile reads near by.
+// Spatial order of particles: neighbours in space are neighbours in memory, so that whole vectors or
+// work-groups are outside a frame, and tiles read memory nearby.
 #include <cstdint>
 #include <vector>
 
@@ -8,20 +8,20 @@
 
 namespace simuli {
 
-/// The particles at `kept`, in that order.
+/// Returns the particles at `kept`, in that order.
 [[nodiscard]] GaussianSet subset(const GaussianSet& set, const std::vector<Eigen::Index>& kept);
 
 inline constexpr float kCoherentCellsPerMetre = 16.0F;
-/// Of the cell of 1/16 m that a place (m) is in, along a Morton curve; without its last 3 n bits that of the
-/// cell 2^n times as large.
+/// Returns the Morton code of the 1/16 m cell of a position (m); without its last 3 n bits that of the cell 2^n
+/// times as large.
 [[nodiscard]] std::uint64_t coherent_code(const Eigen::RowVector3f& mean);
 
-/// The order along a Morton curve over cells of 1/16 m (G. M. Morton, 1966): the background's particles, then
-/// each actor's, in whose frame the curve runs. Particles of one cell keep their order; those beyond 65 km,
-/// or with a mean that is not a number, come with the cells at the rim.
+/// Returns the order along a Morton curve over cells of 1/16 m (G. M. Morton, 1966): background particles, then
+/// each actor's in the actor's frame. Stable within a cell; particles beyond 65 km, or with a non-finite mean,
+/// are in the outermost cells.
 [[nodiscard]] std::vector<Eigen::Index> coherent_order(const GaussianSet& set);
 
-/// The set in that order; as it is when it is in it already. Of a scene both sets.
+/// Returns the set in that order, unchanged if it is sorted. For a scene both sets.
 [[nodiscard]] GaussianSet in_coherent_order(GaussianSet set);
 [[nodiscard]] Scene in_coherent_order(Scene scene);
 

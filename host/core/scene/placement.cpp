@@ -14,7 +14,7 @@
 namespace simuli {
 namespace {
 
-// The device's basis, compiled for the host.
+// The device's SH basis, compiled for the host.
 namespace sh_text {
 using F = double;
 #define FN inline
@@ -31,7 +31,7 @@ using F = double;
 #undef SH_LANES
 }  // namespace sh_text
 
-/// Directions that lie evenly on the sphere, so that the basis has full rank on them.
+/// Evenly distributed directions, on which the basis has full rank.
 std::vector<Eigen::Vector3d> directions() {
   constexpr int kCount = 64;
   const double golden = kPi * (3.0 - std::sqrt(5.0));
@@ -43,7 +43,7 @@ std::vector<Eigen::Vector3d> directions() {
   return out;
 }
 
-/// [16, 16] coefficients in b of a function whose coefficients in a are 1: bands do not mix.
+/// [16, 16] coefficients in frame b of the unit coefficients in frame a: bands do not mix.
 Eigen::MatrixXd turned_bands(const Eigen::Quaterniond& b_from_a) {
   const std::vector<Eigen::Vector3d> all = directions();
   Eigen::MatrixXd in_b(all.size(), 16), in_a(all.size(), 16);
@@ -62,14 +62,14 @@ Eigen::MatrixXd turned_bands(const Eigen::Quaterniond& b_from_a) {
   return turned;
 }
 
-/// Particles below this are fog and leftovers of training.
+/// Fainter particles are fog and training residue.
 constexpr float kFaintLogit = -2.2F;  // an opacity of 0.1
 constexpr std::size_t kOneInEnds = 200;
 
-/// For a box that must have sides.
+/// Smallest side of a box.
 constexpr double kThinnest_m = 1e-3;
 
-/// As optim/init has it: a return is as sure as where training begins.
+/// As in optim/init: hit probability at initialisation.
 constexpr float kHitLogit = 4.0F;
 
 }  // namespace

@@ -20,7 +20,7 @@ RayDrop::Parameters RayDrop::of_logits() {
 
 RayDrop::Parameters RayDrop::start() {
   auto function = shared::from_reals<shared::DropConstants>(of_logits());
-  // Evenly spread numbers in [-2, 2] by the golden ratio: no two sums alike, the same on every machine.
+  // Evenly distributed numbers in [-2, 2] by the golden ratio: all sums differ, equal on all machines.
   constexpr double kGolden = 0.6180339887498949;
   double place = 0.5;
   for (double& weight : function.hidden) {

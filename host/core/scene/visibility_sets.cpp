@@ -7,7 +7,7 @@
 namespace simuli {
 namespace {
 
-// Of driving on, while one visibility_set gives way to the next.
+// Path length over which one visibility set fades into the next.
 constexpr double kFade_m = 4.0;
 
 double distance_to(const std::vector<Eigen::Vector3d>& path, const Eigen::Vector3d& p) {
@@ -29,7 +29,7 @@ std::vector<double> visibility_shares(const std::vector<VisibilitySet>& visibili
   for (const VisibilitySet& visibility_set : visibility_sets) shares.push_back(distance_to(visibility_set.path_m, eye));
   if (shares.empty()) return shares;
   const double nearest = *std::min_element(shares.begin(), shares.end());
-  const double fade_m = std::max(kFade_m, nearest);  // from above, say, they differ by little
+  const double fade_m = std::max(kFade_m, nearest);  // seen from a distance, sets differ little
   for (double& share : shares) share = std::max(1.0 - (share - nearest) / fade_m, 0.0);
   return shares;
 }

@@ -93,7 +93,7 @@ void set_ftheta(Camera& camera,
 }
 
 ViewAngle view_angle(const Camera& camera) {
-  // The angle about the other axis of the outermost ray from one end of a row or column.
+  // The angle about the other axis of the outermost ray of a row or column.
   const auto outermost = [&](double from, double to, auto&& pixel_at, auto&& angle_of) {
     const double step = to > from ? 1.0 : -1.0;
     for (double at = from; step * (to - at) >= 0.0; at += step) {
@@ -143,7 +143,8 @@ void validate(const Camera& camera, const std::string& file) {
       throw_input_error(file, prefix + field, std::to_string(value), fmt::format("1 to {}", kLargestSide_px));
     }
   }
-  // In sides of the picture: at a thousandth a pinhole's picture spans 179.8 degrees, at a million 0.2 arc seconds.
+  // Limits in sides of the picture: at a thousandth a pinhole's picture spans 179.8 degrees, at a million 0.2
+  // arc seconds.
   constexpr double kShortest = 1e-3, kLongest = 1e6;
   for (const auto& [field, value, side_px] :
        {std::tuple{"fx_px", camera.fx, camera.width}, {"fy_px", camera.fy, camera.height}}) {

@@ -1,4 +1,4 @@
-// The built-in cameras: calibrations whose licence lets their numbers be restated, one line each.
+// The built-in cameras: calibrations whose licence permits restating their numbers, one line each.
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ using K = LensKind;
 
 struct Source {
   const char* text;
-  double first_pixel_centre;  // px, of the convention in which cx and cy stand in the table
+  double first_pixel_centre;  // px, convention of cx and cy in the table
   ShutterKind shutter;
 };
 constexpr Source kPandaset{
@@ -40,9 +40,9 @@ struct Row {
   LensKind kind;
   int width, height;      // px
   double fx, fy, cx, cy;  // px; F-theta: fx, fy are 1 and the polynomial gives pixels
-  /// As lens_parameter_names() says, without max_angle_rad; further ones are 0.
+  /// In the order of lens_parameter_names(), without max_angle_rad; missing ones are 0.
   std::array<double, 12> parameters;
-  double max_angle;  // rad; pi: no limit beside the polynomials' own
+  double max_angle;  // rad; pi: only the polynomials' own limit
 };
 
 // clang-format off

@@ -24,12 +24,12 @@ static_assert(static_cast<int>(LensKind::kEquirectangular) == SIM_LENS_EQUIRECTA
 static_assert(static_cast<int>(LensKind::kDoubleSphere) == SIM_LENS_DOUBLE_SPHERE);
 static_assert(static_cast<int>(LensKind::kEucm) == SIM_LENS_EUCM);
 
-// How far unproject may miss the image it was asked for, in focal lengths: far below a thousandth of a
-// pixel for focal lengths up to 1e5 px, far above the rounding of the iterations.
+// Largest reprojection error of unproject in focal lengths: far below a thousandth of a pixel for focal lengths
+// up to 1e5 px, far above the rounding of the iterations.
 constexpr double kReprojection = 1e-9;
 constexpr double kLargest = 1e6;  // coefficients of real lenses are below 1e3; polynomials stay finite
 
-/// Error unless the parameter `name`, where this kind has it, lies in [low, high].
+/// Throws unless the parameter `name`, if this kind has it, is in [low, high].
 void need_between(const std::vector<std::string>& names,
                   const std::vector<double>& values,
                   std::string_view name,
@@ -231,7 +231,7 @@ bool Lens::continued(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) co
     }
     case LensKind::kOpencvFisheye:
     case LensKind::kFtheta:
-      // Straight behind, one direction fills a circle.
+      // Straight behind, one direction maps to a circle.
       return std::hypot(x, y) > 1e-5 * bent.norm() || z > 0.0;
     default:
       return has_image;
@@ -240,7 +240,7 @@ bool Lens::continued(const Eigen::Vector3d& p_camera, Eigen::Vector2d& image) co
 
 Eigen::Vector3d Lens::unproject(const Eigen::Vector2d& image) const {
   const Eigen::Vector3d direction = unbend(inverse(image).normalized());
-  // Every image of the ideal pinhole has a ray; its 84 degrees bound what is projected, not what is seen.
+  // Every image of the ideal pinhole has a ray; its limit of 84 degrees applies to projection only.
   if (kind_ == LensKind::kPinhole) return image.allFinite() ? direction : Eigen::Vector3d::Zero();
   Eigen::Vector2d again;
   if (!project(direction, again)) return Eigen::Vector3d::Zero();
@@ -265,7 +265,7 @@ double Lens::centre_slope() const {
     }
   }();
   if (!windshield_) return slope;
-  // How much the glass widens a narrow cone about the axis.
+  // Enlargement of a narrow cone about the axis by the glass.
   constexpr double kStep = 1e-4;
   Eigen::Vector3d right, left, below, above;
   bend({kStep, 0.0, 1.0}, right);

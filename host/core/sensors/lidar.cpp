@@ -151,7 +151,7 @@ bool is_blind(const Lidar& lidar, std::size_t ray, double azimuth) {
 const BlindArc* blind_arc_of(const Lidar& lidar, std::size_t ray, double azimuth) {
   const int row = static_cast<int>(ray / static_cast<std::size_t>(lidar.columns));
   const double turn = azimuth - 2.0 * std::numbers::pi * std::floor(azimuth / (2.0 * std::numbers::pi));
-  // The last arc that begins at or before the ray is the only one that can hold it.
+  // Only the last arc that begins at or before the ray can contain it.
   const auto behind = std::upper_bound(
       lidar.blind.begin(), lidar.blind.end(), turn, [row](double angle, const BlindArc& arc) {
         return arc.row > row || (arc.row == row && arc.azimuth_first > angle);

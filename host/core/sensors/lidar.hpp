@@ -1,6 +1,6 @@
 #pragma once
-// Spinning LiDAR model: rows (beams) x columns (firings). Frame: x forward, y left, z up; azimuth =
-// atan2(y, x), counter-clockwise positive seen from above; elevation positive up. Angles in radians.
+// Spinning LiDAR model: rows (beams) x columns (firings). Frame: x forward, y left, z up; azimuth = atan2(y,
+// x), counter-clockwise positive seen from above; elevation positive up. Angles in radians.
 #include <Eigen/Core>
 #include <string>
 #include <vector>
@@ -19,25 +19,25 @@ struct LidarRow {
   double horizontal_offset = 0.0;  // m, to the left of the beam
   double time_offset = 0.0;        // s, added to the column's firing time
   double radial_offset = 0.0;      // m, away from the spin axis
-  double range_bias = 0.0;         // m, recorded less true distance; sweeps are corrected when read
-  int every = 1;                   // of so many columns the beam fires in one,
-  int first = 0;                   // from this one on
+  double range_bias = 0.0;  // m, recorded minus true distance; corrected when sweeps are read
+  int every = 1;  // the beam fires in one of so many columns,
+  int first = 0;  // starting with this one
 
   bool operator==(const LidarRow&) const = default;
 };
 
-/// Azimuths [first, last] of a row, in the sensor frame, in which its beam meets the vehicle it is mounted
-/// on: nothing ever returns from there.
+/// Azimuths [first, last] of a row, in the sensor frame, in which its beam hits the ego vehicle or never
+/// returns.
 struct BlindArc {
   int row = 0;
   double azimuth_first = 0.0;  // rad, 0 to 2 pi
   double azimuth_last = 0.0;   // rad, azimuth_first to 2 pi
-  bool own_returns = false;    // recorded from there are returns, of the vehicle itself; else none ever are
+  bool own_returns = false;  // its recorded returns belong to the ego vehicle; otherwise it has none
 
   bool operator==(const BlindArc&) const = default;
 };
 
-/// One turn at the 10 Hz of most automotive LiDARs: what a sensor takes that doesn't say.
+/// One revolution at 10 Hz, the default of automotive LiDARs.
 inline constexpr double kUsualSweep_s = 0.1;
 inline constexpr double kLongestSweep_s = 1000.0;
 
@@ -46,18 +46,18 @@ struct Lidar {
   std::vector<LidarRow> rows;  // top to bottom: elevation never rising
   int columns = 0;
   double azimuth_first = 0.0;  // rad, azimuth of column 0
-  double azimuth_span = 0.0;   // rad > 0, swept by all columns; 2 pi for a full turn
+  double azimuth_span = 0.0;  // rad > 0, covered by all columns; 2 pi for a full revolution
   SpinDirection spin = SpinDirection::kCounterClockwise;
-  double sweep_s = kUsualSweep_s;     // s > 0, from the start of one turn (or pass) to the next: of a frame
+  double sweep_s = kUsualSweep_s;  // s > 0, between the starts of successive revolutions: duration of a frame
   double range_min = 0.0;             // m
   double range_max = 0.0;             // m
   double beam_divergence = 0.0;       // rad, full angle; 0: an ideal ray
   double divergence_variance = 0.25;  // k of METHOD section 8: 0.25 for 1/e^2, 0.72 FWHM, 1 sigma
-  std::vector<BlindArc> blind;        // by row, then by azimuth, apart from each other; of a mounted sensor
+  std::vector<BlindArc> blind;  // of a mounted sensor, by row, then by azimuth, disjoint
 
   [[nodiscard]] int row_count() const { return static_cast<int>(rows.size()); }
   [[nodiscard]] std::size_t ray_count() const { return rows.size() * static_cast<std::size_t>(columns); }
-  /// Whether there are rays that is_blind() tells apart.
+  /// Whether is_blind() is true for any ray.
   [[nodiscard]] bool has_blind() const;
   [[nodiscard]] double spin_sign() const { return spin == SpinDirection::kCounterClockwise ? 1.0 : -1.0; }
   /// Azimuth of (row, column) at the centre of its firing, not wrapped.
@@ -71,16 +71,15 @@ struct Lidar {
   bool operator==(const Lidar&) const = default;
 };
 
-/// Throws Error{kInput} naming `file` and field for a model that no sensor has.
+/// Throws Error{kInput} with `file` and field for an invalid model.
 void validate(const Lidar& lidar, const std::string& file);
 
-/// A built-in model by name or "name@mode" (host/core/sensors/lidar_library.hpp, which also tells its source);
-/// Error{kUsage} naming the closest known names.
+/// Returns a built-in model by "name" or "name@mode" (host/core/sensors/lidar_library.hpp, which also has
+/// sources); throws Error{kUsage} with similar names.
 [[nodiscard]] Lidar builtin_lidar(const std::string& name);
 [[nodiscard]] std::vector<std::string> builtin_lidar_names();
 
-/// The rays of one sweep in row-major order, in the sensor frame at each ray's own time. Measured and
-/// nominal rays take the same road from here on.
+/// The rays of one sweep in row-major order, in the sensor frame at each ray's own time; measured or nominal.
 struct LidarRays {
   int rows = 0;
   int columns = 0;
@@ -93,17 +92,17 @@ struct LidarRays {
 
 [[nodiscard]] LidarRays nominal_rays(const Lidar& lidar);
 
-/// Columns in which a row fires.
+/// Returns the number of columns in which a row fires.
 [[nodiscard]] int firings_of(const Lidar& lidar, int row);
 
 /// Whether a ray's (row-major) beam fires in its column.
 [[nodiscard]] bool fires(const Lidar& lidar, std::size_t ray);
 
-/// Whether nothing can return from a ray (row-major) at `azimuth` (rad, any turn): its beam does not fire in that
-/// column, or into a blind arc.
+/// Whether a ray (row-major) at `azimuth` (rad, any period) cannot return: its beam does not fire in that
+/// column, or fires into a blind arc.
 [[nodiscard]] bool is_blind(const Lidar& lidar, std::size_t ray, double azimuth);
 
-/// The blind arc that a ray (row-major) at `azimuth` (rad, any turn) is in; none: nullptr.
+/// Returns the blind arc that contains a ray (row-major) at `azimuth` (rad, any period); nullptr without one.
 [[nodiscard]] const BlindArc* blind_arc_of(const Lidar& lidar, std::size_t ray, double azimuth);
 
 }  // namespace simuli

@@ -23,9 +23,9 @@ struct Beam {
   double vertical_offset;  // m
 };
 
-/// Velodyne HDL-64E S2 of the KITTI car on 2011-09-26, one line fit z = tan(v) rho + Vo / cos(v) per ring
-/// over 17 sweeps of raw drive 0013 (residual 0.01 to 0.1 mrad). An angle-only table would be wrong by 2 to
-/// 7 mrad: the beams do not meet in one point.
+/// Velodyne HDL-64E S2 of the KITTI car on 2011-09-26, a line fit z = tan(v) rho + Vo / cos(v) per ring over 17
+/// sweeps of raw drive 0013 (residual 0.01 to 0.1 mrad). A table of angles alone would have errors of 2 to 7
+/// mrad, because the beams do not meet in one point.
 constexpr std::array<Beam, 64> kKittiHdl64e{{
     {0.033801667, 0.20900},  {0.027470821, 0.20855},  {0.022773131, 0.20818},  {0.015211139, 0.20769},
     {0.010101987, 0.20730},  {0.003152843, 0.20678},  {-0.001550111, 0.20649}, {-0.007885954, 0.20601},
@@ -57,7 +57,7 @@ BuiltinLidar kitti_hdl64e() {
   lidar.spin = SpinDirection::kClockwise;
   lidar.range_min = 0.9;
   lidar.range_max = 120.0;
-  lidar.beam_divergence = 0.0;  // the table gives none
+  lidar.beam_divergence = 0.0;  // unknown
   sensor.facts.source = "line fits to 17 sweeps of KITTI raw drive 2011_09_26_drive_0013";
   sensor.facts.licence = "the sweeps are CC BY-NC-SA 3.0";
   sensor.facts.note = "Velodyne HDL-64E S2, 48 us firing cycle";
@@ -65,7 +65,7 @@ BuiltinLidar kitti_hdl64e() {
   return sensor;
 }
 
-/// The bench sensor: 64 beams evenly spread over the HDL-64E's field of view, 2650 firings.
+/// The benchmark sensor: 64 beams evenly spread over the HDL-64E's field of view, 2650 firings.
 BuiltinLidar generic64() {
   BuiltinLidar sensor;
   Lidar& lidar = sensor.model;
@@ -96,8 +96,8 @@ BuiltinLidar from_table(const LidarTable& table) {
     row.elevation = table.elevation_urad[r] * 1e-6;
     row.azimuth_offset = value(table.azimuth_offset_urad, r, 1e-6);
     row.time_offset = value(table.time_offset_ns, r, 1e-9);
-    // The vertical offset stands across the beam, the circle of origins turns with the head: at the head's
-    // angle, which is the beam's azimuth less its offset.
+    // The vertical offset is perpendicular to the beam; the circle of origins rotates with the head, whose
+    // angle is the beam's azimuth minus its offset.
     const double tilted = value(table.vertical_offset_100um, r, 1e-4);
     const double circle = table.beam_origin_um * 1e-6;
     row.vertical_offset = tilted * std::cos(row.elevation) + table.height_um * 1e-6;
@@ -113,12 +113,12 @@ BuiltinLidar from_table(const LidarTable& table) {
     lidar.rows.push_back(row);
   }
   lidar.azimuth_span = table.azimuth_span_urad == 0 ? 2.0 * std::numbers::pi : table.azimuth_span_urad * 1e-6;
-  lidar.spin = SpinDirection::kClockwise;  // as all of them do
+  lidar.spin = SpinDirection::kClockwise;  // all of these sensors
   lidar.range_min = table.range_min_m;
   lidar.range_max = table.range_max_m;
   sensor.facts.divergence_horizontal = table.divergence_horizontal_urad * 1e-6;
   sensor.facts.divergence_vertical = table.divergence_vertical_urad * 1e-6;
-  // One angle for both axes: that of the round beam of the same area.
+  // One angle for both axes: that of a round beam of equal area.
   lidar.beam_divergence = std::sqrt(sensor.facts.divergence_horizontal * sensor.facts.divergence_vertical);
   lidar.divergence_variance = table.divergence_variance;
   if (table.azimuth_first_urad != LidarTable::kFromBehind) {
@@ -144,10 +144,10 @@ const LidarTable* find_table(const std::string& name) {
   return nullptr;
 }
 
-/// Azimuth of the column whose firing begins behind.
+/// Azimuth of the column whose firing begins at the back.
 double from_behind(int columns) { return std::numbers::pi * (1.0 - 1.0 / columns); }
 
-/// The number that is all of `text`.
+/// Parses the complete text as a number.
 template <class T>
 std::optional<T> parse(std::string_view text) {
   T number{};
@@ -156,7 +156,7 @@ std::optional<T> parse(std::string_view text) {
   return number;
 }
 
-/// The mode that "HZ" or "COLUMNSxHZ" names.
+/// Finds the mode of "HZ" or "COLUMNSxHZ".
 std::optional<LidarMode> find_mode(const std::vector<LidarMode>& modes, std::string_view text) {
   const std::size_t cross = text.find('x');
   const bool with_columns = cross != std::string_view::npos;
@@ -218,7 +218,7 @@ BuiltinLidar builtin_lidar_with_facts(const std::string& name) {
   Lidar& lidar = sensor.model;
   lidar.name = name;
   lidar.columns = facts.mode.columns;
-  lidar.sweep_s = std::numeric_limits<double>::infinity();  // tables are of a head at rest
+  lidar.sweep_s = std::numeric_limits<double>::infinity();  // tables are for a head at rest
   const LidarTable* table = find_table(base);
   if (table == nullptr || table->azimuth_first_urad == LidarTable::kFromBehind)
     lidar.azimuth_first = from_behind(lidar.columns);

@@ -8,7 +8,7 @@ namespace simuli {
 namespace {
 
 bool in_sweep(const Lidar& lidar, const LidarHit& hit) {
-  constexpr double kRounding = 1e-9;  // columns: a full turn has no gap at its cut
+  constexpr double kRounding = 1e-9;  // columns: a full revolution has no gap at its cut
   return hit.column >= -0.5 - kRounding && hit.column <= lidar.columns - 0.5 + kRounding;
 }
 
@@ -20,7 +20,7 @@ std::optional<LidarHit> locate_in_row(const Lidar& lidar, int row, const Eigen::
   if (!(flat > std::abs(beam.horizontal_offset))) return std::nullopt;
   LidarHit hit;
   hit.row = row;
-  // Seen from above the ray is a line that passes the spin axis at the horizontal offset.
+  // From above the ray is a line that passes the spin axis at the horizontal offset.
   hit.azimuth = std::atan2(p_sensor.y(), p_sensor.x()) - std::asin(beam.horizontal_offset / flat);
   const double along =
       std::sqrt((flat - beam.horizontal_offset) * (flat + beam.horizontal_offset)) - beam.radial_offset;

@@ -7,7 +7,7 @@
 namespace simuli {
 namespace {
 
-/// Stated less true distance of a ray, m.
+/// Recorded minus true distance of a ray, m.
 float range_bias(const LidarModel& model, const LidarRays& rays, std::size_t ray) {
   const auto* const lidar = std::get_if<Lidar>(&model);
   if (lidar == nullptr) return 0.0F;
@@ -81,7 +81,7 @@ float distance_of(const LidarModel& model, const LidarRays& rays, std::size_t ra
 }
 
 RayList with_rays(RayList list, const LidarRays& rays) {
-  constexpr double kRight = std::numbers::pi / 2.0;  // its float is larger
+  constexpr double kRight = std::numbers::pi / 2.0;  // the float value is larger
   list.azimuth.assign(rays.azimuth.begin(), rays.azimuth.end());
   list.elevation.assign(rays.elevation.begin(), rays.elevation.end());
   for (double& elevation : list.elevation) elevation = std::clamp(elevation, -kRight, kRight);

@@ -17,23 +17,24 @@ using LidarModel = std::variant<Lidar, RayList>;
 /// Rows and columns of its sweeps on disk and in memory: a list is one row of all its rays.
 [[nodiscard]] std::size_t row_count(const LidarModel& model);
 [[nodiscard]] std::size_t ray_count(const LidarModel& model);
-/// Nearest and farthest return, m.
+/// Smallest and largest range, m.
 [[nodiscard]] double range_min(const LidarModel& model);
 [[nodiscard]] double range_max(const LidarModel& model);
 
-/// Seconds that one frame takes.
+/// Duration of a frame in seconds.
 [[nodiscard]] double sweep_s(const LidarModel& model);
 
-/// The rays of one frame as the model has them.
+/// The nominal rays of one frame.
 [[nodiscard]] LidarRays nominal_rays(const LidarModel& model);
-/// Origin of a ray in the sensor frame, m; `rays` are the model's nominal or measured ones.
+/// Origin of a ray in the sensor frame, m; `rays` are nominal or measured.
 [[nodiscard]] Eigen::Vector3d ray_origin(const LidarModel& model, const LidarRays& rays, std::size_t ray);
-/// Whether nothing can return from a ray of the model: is_blind() of a Lidar's; no ray of a list is.
+/// Whether a ray cannot return: is_blind() of a Lidar; never for a list.
 [[nodiscard]] bool is_blind(const LidarModel& model, const LidarRays& rays, std::size_t ray);
-/// Whether what a ray returns is of the vehicle itself (BlindArc::own_returns), and no part of any scene.
+/// Whether a ray's returns belong to the ego vehicle (BlindArc::own_returns) and to no scene.
 [[nodiscard]] bool hits_ego_vehicle(const LidarModel& model, const LidarRays& rays, std::size_t ray);
-/// Distances are how far light went: what particles are made of and compared with (Sweep). What a sensor
-/// states of them, in its files and in LidarFrame, is off by its row's range bias. m, of a ray that returned.
+/// Converts between true distances, which particles are made of and compared with (Sweep), and the ranges that
+/// the sensor reports in its files and in LidarFrame, which include the row's range bias. m, for a returned
+/// ray.
 [[nodiscard]] float stated_range(const LidarModel& model,
                                  const LidarRays& rays,
                                  std::size_t ray,
@@ -42,7 +43,7 @@ using LidarModel = std::variant<Lidar, RayList>;
                                 const LidarRays& rays,
                                 std::size_t ray,
                                 float stated_range_m);
-/// The list with measured angles and times instead of its own.
+/// Returns the list with measured angles and times.
 [[nodiscard]] RayList with_rays(RayList list, const LidarRays& rays);
 
 void validate(const LidarModel& model, const std::string& file);

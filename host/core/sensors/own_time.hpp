@@ -1,5 +1,5 @@
 #pragma once
-// Points that a camera sees at the time at which its shutter comes to them.
+// Projection of moving points at their own shutter time.
 #include <Eigen/Core>
 #include <algorithm>
 #include <limits>
@@ -11,14 +11,14 @@ namespace simuli {
 
 struct OwnTimeImage {
   Eigen::Vector2d pixel;
-  double share = 0.5;  // of the frame, when it is seen
+  double share = 0.5;  // of the frame, time of exposure
 };
 
-/// How closely it is asked for.
+/// Accuracy of the iteration.
 struct OwnTimeObservations {
-  int most = 12;                                            // after the one at the middle of the frame
-  double settled_px = 1e-4;                                 // what moves it by less is the last
-  double margin = std::numeric_limits<double>::infinity();  // of the picture's sides: farther out it has none
+  int most = 12;  // iterations after the first one at mid-frame
+  double settled_px = 1e-4;  // converged below this change
+  double margin = std::numeric_limits<double>::infinity();  // of the picture's sides; farther out the point has no image
 };
 
 inline bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double margin = 0.0) {
@@ -26,9 +26,9 @@ inline bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double
          pixel.y() >= -margin * camera.height && pixel.y() < (1.0 + margin) * camera.height;
 }
 
-/// Where the camera sees a point that is at p_camera(share) m then, which may be outside of the picture: the
-/// fixed point of METHOD section 3, from the middle of the frame on. None: it has no image. p_camera() was
-/// asked last for the share that is returned.
+/// Returns the image of a point at p_camera(share) m, possibly outside of the picture: the fixed point of
+/// METHOD section 3, starting at mid-frame. No value without an image. The last call of p_camera() has the
+/// returned share.
 template <class PCamera>
 [[nodiscard]] std::optional<OwnTimeImage> image_at_own_time(const Camera& camera,
                                                             const PCamera& p_camera,

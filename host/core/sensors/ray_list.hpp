@@ -1,6 +1,6 @@
 #pragma once
-// A LiDAR whose rays form no grid of rows and columns (solid state, rosettes, several heads in one): every
-// ray by itself. Frame and angles as in host/core/sensors/lidar.hpp.
+// A LiDAR without a grid of rows and columns (solid state, rosettes, several heads): a list of individual rays.
+// Frame and angles as in host/core/sensors/lidar.hpp.
 #include <Eigen/Core>
 #include <string>
 #include <vector>
@@ -11,11 +11,11 @@ namespace simuli {
 
 struct RayList {
   std::string name;
-  std::vector<double> azimuth;          // [rays] rad, any turn
+  std::vector<double> azimuth;  // [rays] rad, any period
   std::vector<double> elevation;        // [rays] rad, -pi/2 to pi/2
   std::vector<double> time_fraction;    // [rays] share of the frame at which the ray fires, -1 to 2
   std::vector<Eigen::Vector3d> origin;  // [rays] m, sensor frame; empty: all at the sensor's origin
-  double sweep_s = kUsualSweep_s;       // s > 0, that a frame takes
+  double sweep_s = kUsualSweep_s;  // s > 0, duration of a frame
   double range_min = 0.0;               // m
   double range_max = 0.0;               // m
   double beam_divergence = 0.0;         // rad, full angle; 0: an ideal ray
@@ -29,8 +29,8 @@ struct RayList {
   bool operator==(const RayList&) const = default;
 };
 
-/// Throws Error{kInput} naming `file` and field for lists of different lengths, none or more than 2^24
-/// rays, and values that no sensor has.
+/// Throws Error{kInput} with `file` and field for lists of different lengths, without rays or with more than
+/// 2^24, and for invalid values.
 void validate(const RayList& list, const std::string& file);
 
 }  // namespace simuli

@@ -16,11 +16,11 @@
 namespace simuli {
 namespace {
 
-/// A hash of numbers, one step of splitmix64 each.
+/// A hash of numbers with one splitmix64 step each.
 class Hash {
  public:
   void add(std::uint64_t word) { state_ = splitmix(state_ ^ word); }
-  // 0 and -0 are equal, and so are their hashes.
+  // 0 and -0 are equal and have equal hashes.
   void add(double value) { add(std::bit_cast<std::uint64_t>(value == 0.0 ? 0.0 : value)); }
   template <class Values>
   void add_all(const Values& values) {
@@ -66,7 +66,7 @@ void add(Hash& hash, const RayList& l) {
   hash.add_all(l.time_fraction);
 }
 
-/// Whoever names a sensor: files and messages are named after it.
+/// Validates a sensor's name, because files and messages contain it.
 std::shared_ptr<const std::string> kept(std::string name) {
   need_name(name, "sensor", "name");
   return std::make_shared<const std::string>(std::move(name));
@@ -74,7 +74,7 @@ std::shared_ptr<const std::string> kept(std::string name) {
 
 }  // namespace
 
-/// The numbers of a sensor, and what follows from them.
+/// The numbers of a sensor, and derived data.
 struct Sensor::Model {
   explicit Model(Camera camera) : of(std::move(camera)), hash(hash_of()) {}
   Model(LidarModel lidar, std::optional<LidarRays> rays)
@@ -98,7 +98,7 @@ struct Sensor::Model {
   std::variant<Camera, LidarModel> of;
   std::optional<LidarRays> measured;
   std::size_t hash;
-  // Made when first asked for.
+  // Made on demand.
   mutable std::once_flag fired_once;
   mutable LidarRays fired;
 };

@@ -17,7 +17,7 @@ Trajectory::Trajectory(std::vector<TimedPose> poses) : poses_(std::move(poses)) 
     const bool finite = std::isfinite(p.time_s) && p.pose.translation.allFinite() &&
                         p.pose.rotation.coeffs().allFinite();
     if (!finite) throw_input_error("trajectory", fmt::format("poses[{}]", i), "NaN or Inf", "finite");
-    // Half of what labels may have: what is found beside the path is within that.
+    // Half of the labels' limit, so that objects near the path are within it.
     const double far_m = p.pose.translation.cwiseAbs().maxCoeff();
     if (far_m > 0.5 * kFarthestPosition_m) {
       throw_input_error("trajectory",

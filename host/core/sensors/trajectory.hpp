@@ -14,11 +14,11 @@ struct TimedPose {
 class Trajectory {
  public:
   Trajectory() = default;
-  /// Throws Error{kInput} when empty, not strictly increasing in time, not finite, or a rotation is zero.
+  /// Throws Error{kInput} when empty, not strictly increasing in time, not finite, or with a zero rotation.
   explicit Trajectory(std::vector<TimedPose> poses);
 
-  /// world_from_rig at time_s. Up to `kExtrapolation_s` outside the recorded span the end segment is
-  /// continued at constant velocity; further out throws Error{kInput} naming time and span.
+  /// Returns world_from_rig at time_s. Extrapolates the end segments at constant velocity up to
+  /// `kExtrapolation_s` outside the recorded span; beyond, throws Error{kInput} with time and span.
   [[nodiscard]] Pose at(double time_s) const;
   /// Whether there is a pose at time_s.
   [[nodiscard]] bool covers(double time_s) const;

@@ -19,11 +19,11 @@ using SweepsOfRow = std::vector<std::vector<BeamPoint>>;
 
 constexpr double kWidest_m = 0.08;  // horizontal offset, either side
 constexpr double kStep_m = 2e-3;
-constexpr double kCoherent = 0.7;  // mean of exp(i ticks azimuth): 1 for azimuths on a grid, 0 for any others
-/// Between the best offset and the worst: where all returns are equally far, every offset fits alike.
+constexpr double kCoherent = 0.7;  // mean of exp(i ticks azimuth): 1 for azimuths on a grid, 0 for random ones
+/// Smallest difference between the best and the worst offset: at equal ranges all offsets fit alike.
 constexpr double kContrast = 0.05;
 
-/// Azimuth of the beam through p, which passes `side` m to the left of the axis.
+/// Azimuth of the beam through p that passes the axis `side` m to the left.
 double beam_azimuth(const BeamPoint& p, double side) {
   return p.azimuth - std::asin(std::clamp(side / p.distance, -1.0, 1.0));
 }
@@ -47,7 +47,7 @@ Complex grid_phasor(const SweepsOfRow& sweeps, int ticks, double side) {
   return used > 0 ? sum / static_cast<double>(used) : Complex{};
 }
 
-/// Ticks per turn of the grid on which azimuths of the fullest rows lie; 0 without one.
+/// Encoder ticks per revolution of the azimuths of the fullest rows; 0 without a grid.
 int find_ticks(const BeamPoints& points, const std::vector<std::size_t>& fullest) {
   constexpr int kFewest = 300;
   constexpr int kMost = 8000;
@@ -69,7 +69,7 @@ int find_ticks(const BeamPoints& points, const std::vector<std::size_t>& fullest
       std::vector<Complex> spectrum;
       fft.fwd(spectrum, histogram);
       for (int n = kFewest; n <= kMost; ++n) {
-        // Bins blur the highest frequencies.
+        // Binning attenuates the highest frequencies.
         const double blur = std::numbers::pi * n / kBins;
         const auto place = static_cast<std::size_t>(n);
         strongest[place] = std::max(strongest[place], std::abs(spectrum[place]) * blur / std::sin(blur));
@@ -78,13 +78,13 @@ int find_ticks(const BeamPoints& points, const std::vector<std::size_t>& fullest
   }
   const auto best = std::max_element(strongest.begin(), strongest.end());
   if (!(*best >= kCoherent)) return 0;
-  // A grid of n ticks is one of 2 n, 3 n, ... as well.
+  // A grid of n ticks is also one of 2 n, 3 n, ...
   const auto first =
       std::find_if(strongest.begin(), strongest.end(), [&](double v) { return v >= 0.95 * *best; });
   return static_cast<int>(first - strongest.begin());
 }
 
-/// The offset that puts the row's azimuths on the grid; false when none does, or all do.
+/// Finds the offset that puts the row's azimuths on the grid; false when none does, or all do.
 bool find_side(const SweepsOfRow& sweeps, int ticks, double& side) {
   double best = -1.0;
   double worst = 2.0;
@@ -102,7 +102,7 @@ bool find_side(const SweepsOfRow& sweeps, int ticks, double& side) {
   return true;
 }
 
-/// What is known of each tick: 1 fired, -1 passed over between two firings, 0 unknown; about the mean.
+/// State of each tick: 1 fired, -1 skipped between two firings, 0 unknown; minus the mean.
 std::vector<double> firing_pattern(
     const std::vector<BeamPoint>& sweep, double side, double phase, int ticks, int longest_step) {
   std::vector<double> pattern(static_cast<std::size_t>(ticks), 0.0);
@@ -132,8 +132,8 @@ std::vector<double> firing_pattern(
   return pattern;
 }
 
-/// The shift in ticks at which two rows' patterns agree best over all sweeps; false when it is no better than
-/// another by four standard deviations.
+/// Finds the shift in ticks with the best agreement of two rows' patterns over all sweeps; false unless it is
+/// better than others by four standard deviations.
 bool find_shift(const std::vector<std::vector<Complex>>& base,
                 const std::vector<std::vector<Complex>>& row,
                 int ticks,
@@ -169,8 +169,8 @@ bool find_shift(const std::vector<std::vector<Complex>>& base,
   return count >= 3.0 && mean > 0.0 && mean * mean * count * (count - 1.0) >= 16.0 * square;
 }
 
-/// Mean step between neighbouring firings, in the unit of `steps`, from steps of one firing alone: those
-/// beside the most common one. `usual` is the median.
+/// Mean step between neighbouring firings, in the unit of `steps`, using steps near the most common one.
+/// `usual` is the median.
 double mean_single_step(const std::vector<double>& steps, double usual) {
   double sum = 0.0;
   double count = 0.0;
@@ -182,8 +182,8 @@ double mean_single_step(const std::vector<double>& steps, double usual) {
   return count >= 1000.0 ? sum / count : 0.0;
 }
 
-/// From steps between neighbouring returns of single beams. Two firings of which the first returned nothing
-/// may look like one, so this is a start only.
+/// Initial estimate from steps between neighbouring returns of single beams; missing returns may merge two
+/// firings.
 double columns_by_steps(const BeamPoints& points, const BeamTable& table) {
   std::vector<double> steps;
   for (std::size_t r = 0; r < points.size(); ++r) {
@@ -199,17 +199,16 @@ double columns_by_steps(const BeamPoints& points, const BeamTable& table) {
   return step > 0.0 ? kTurn / step : 0.0;
 }
 
-/// From the ticks at which any of the beams fired, all of them laid over one another; 0 where too few are
-/// known.
+/// From the ticks at which any beam fired, all beams overlaid; 0 with too few.
 double columns_by_firings(const BeamPoints& points, const BeamTable& table) {
-  constexpr double kCut_rad = 0.5;  // about the cut, beams show ticks of two turns
+  constexpr double kCut_rad = 0.5;  // around the cut, beams show ticks of two revolutions
   constexpr double kOfMost = 0.15;
   const int ticks = table.encoder_ticks;
   std::size_t known = 0;
   for (const BeamEstimate& beam : table.rows) known += beam.azimuth_offset_known ? 1U : 0U;
   if (known < 4) return 0.0;
-  // Offsets are those from one of the beams, whose own azimuths lie anywhere between the ticks.
-  std::vector<double> places;  // of each beam's grid, rad
+  // Offsets are relative to one beam, whose azimuths have any phase relative to the ticks.
+  std::vector<double> places;  // phase of each beam's grid, rad
   for (std::size_t r = 0; r < points.size(); ++r) {
     const LidarRow& row = table.rows[r].row;
     places.push_back(row.azimuth_offset + std::arg(grid_phasor(points[r], ticks, row.horizontal_offset) *

@@ -1,12 +1,12 @@
 #pragma once
-// Inside beams.cpp and beam_azimuths.cpp.
+// Shared by beams.cpp and beam_azimuths.cpp.
 #include <vector>
 
 #include "optim/calibration/beams/beams.hpp"
 
 namespace simuli::calibration {
 
-/// A point as its beam sees it.
+/// A point in cylindrical coordinates of the sensor.
 struct BeamPoint {
   double azimuth = 0.0;   // rad, of the point about the spin axis
   double distance = 0.0;  // m, from the spin axis
@@ -16,7 +16,7 @@ struct BeamPoint {
 /// [rows][sweeps][points]
 using BeamPoints = std::vector<std::vector<std::vector<BeamPoint>>>;
 
-/// Fills in horizontal and azimuth offsets, the encoder's ticks and the columns.
+/// Estimates horizontal and azimuth offsets, encoder ticks and columns.
 void find_azimuths(const BeamPoints& points, BeamTable& table);
 
 }  // namespace simuli::calibration

@@ -17,21 +17,21 @@
 namespace simuli::calibration {
 namespace {
 
-constexpr double kNearest_m = 0.05;  // nearer ones have no direction
+constexpr double kNearest_m = 0.05;  // nearer points have no direction
 constexpr std::size_t kVoters = 120000;
 constexpr std::size_t kFewestVoters = 2000;
 constexpr double kBin_rad = 0.25e-3;
-constexpr double kTallest_m = 0.5;  // of the sensor's head above and below its origin
+constexpr double kTallest_m = 0.5;  // extent of the sensor's head above and below its origin
 constexpr double kHeightStep_m = 0.01;
 constexpr std::size_t kMostRows = 512;
-constexpr double kGate_rad = 0.6e-3;  // of a beam's points about its line
+constexpr double kGate_rad = 0.6e-3;  // tolerance of a beam's points about its line
 
 /// A line in the plane of axis distance and height.
 struct Line {
   double elevation = 0.0;  // rad
-  double height = 0.0;     // m, where it meets the axis
+  double height = 0.0;  // m, intersection with the axis
 
-  /// Sine of the angle, seen from the origin, by which a point lies above the line.
+  /// Sine of the angle, from the origin, of a point above the line.
   [[nodiscard]] double error(double distance, double z) const {
     return ((z - height) * std::cos(elevation) - distance * std::sin(elevation)) / std::hypot(distance, z);
   }
@@ -42,7 +42,7 @@ struct Voter {
   double height;
 };
 
-/// Votes of points for lines: rows of heights, columns of elevations.
+/// Votes of points for lines: rows are heights, columns elevations.
 class VoteTable {
  public:
   explicit VoteTable(const std::vector<Voter>& voters) : votes_(kHeights * kBins) {
@@ -55,7 +55,7 @@ class VoteTable {
       votes_[h * kBins + static_cast<std::size_t>(bin)] += weight;
     }
   }
-  /// The line with most votes, those of neighbouring elevations taken together.
+  /// The line with most votes, including those of neighbouring elevations.
   [[nodiscard]] Line best() const {
     std::size_t place = 0;
     int most = -1;
@@ -79,7 +79,7 @@ class VoteTable {
   std::vector<int> votes_;
 };
 
-/// Least squares on the points within gate_rad; false when there are too few, or all at one distance.
+/// Least squares over the points within gate_rad; false with too few, or all at one distance.
 bool fit_line(const std::vector<Voter>& voters, double gate_rad, Line& line) {
   Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
@@ -97,7 +97,7 @@ bool fit_line(const std::vector<Voter>& voters, double gate_rad, Line& line) {
   return true;
 }
 
-/// Takes the line with most votes, fits it, withdraws the votes of its points, and so on.
+/// Repeatedly fits the line with most votes and removes the votes of its points.
 std::vector<Line> find_lines(std::vector<Voter> voters) {
   VoteTable votes(voters);
   const std::size_t all = voters.size();
@@ -121,9 +121,9 @@ std::vector<Line> find_lines(std::vector<Voter> voters) {
   return lines;
 }
 
-/// The angle by which a point lies above its beam, which leaves the axis at `height` and passes beside it.
+/// Angle of a point above its beam, which leaves the axis at `height` and passes beside it.
 struct ConeError {
-  double along;  // m, from where the beam passes the axis
+  double along;  // m, from the beam's closest point to the axis
   double z;
   double range;
   double sigma_rad;
@@ -135,7 +135,7 @@ struct ConeError {
   }
 };
 
-/// At most kPerBin points of each distance class, evenly taken: far points are few and tell most.
+/// At most kPerBin points per distance class, evenly: distant points are few and most informative.
 std::vector<BeamPoint> choose(const std::vector<std::vector<BeamPoint>>& sweeps) {
   constexpr std::size_t kPerBin = 300;
   constexpr double kBinsPerDoubling = 3.0;
@@ -154,8 +154,8 @@ std::vector<BeamPoint> choose(const std::vector<std::vector<BeamPoint>>& sweeps)
   return chosen;
 }
 
-/// Of the two that a solved problem has; nothing where its residuals tell only one of them. (Ceres' own
-/// covariance logs that on stderr.)
+/// Variances of two parameters of a solved problem; no value where the residuals only determine one. (Ceres'
+/// own covariance logs that on stderr.)
 std::optional<Eigen::Vector2d> variances(ceres::Problem& problem, double& first, double& second) {
   if (problem.NumResiduals() == 0) return {};
   ceres::Problem::EvaluateOptions of;
@@ -214,8 +214,8 @@ void fit_beam(const std::vector<std::vector<BeamPoint>>& sweeps, BeamEstimate& b
   beam.row.vertical_offset = height;
 }
 
-/// A row whose returns are all about as far tells one number where two are asked for: it takes the offset
-/// of the rows beside it, and the elevation that goes with it.
+/// A row whose returns all have similar ranges does not determine both numbers: it takes the neighbouring rows'
+/// offset, and the matching elevation.
 void borrow_offsets(const BeamPoints& points, BeamTable& table) {
   std::size_t unknown = 0;
   for (std::size_t r = 0; r < table.rows.size(); ++r) {
@@ -247,7 +247,7 @@ void borrow_offsets(const BeamPoints& points, BeamTable& table) {
   }
 }
 
-/// Sorts every point to the beam it lies nearest to.
+/// Assigns every point to its nearest beam.
 BeamPoints sort_points(const std::vector<RawSweep>& sweeps, BeamTable& table) {
   std::vector<Line> lines;
   for (const BeamEstimate& beam : table.rows) lines.push_back({beam.row.elevation, beam.row.vertical_offset});

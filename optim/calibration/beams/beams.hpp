@@ -1,11 +1,10 @@
 #pragma once
-// The beam table of a spinning LiDAR from sweeps that list bare points: no rings, no order, no calibration.
+// Estimates the beam table of a spinning LiDAR from sweeps of bare points: no rings, no order, no calibration.
 //
 // A beam sweeps a cone (exactly: a hyperboloid) about the spin axis: all of its points lie on one line in the
-// plane of distance from the axis and height. The lines are found by voting, then fitted. An encoder
-// quantises the azimuths: seen along a beam that passes beside the axis the grid blurs, unless the offset is
-// allowed for; and since all beams fire together, which encoder ticks a beam fired at gives its azimuth
-// offset.
+// plane of axis distance and height. Lines are found by voting, then fitted. An encoder quantises azimuths: for
+// a beam that passes beside the axis the grid is only sharp with the right horizontal offset; and because all
+// beams fire together, the encoder ticks of a beam determine its azimuth offset.
 #include <Eigen/Core>
 #include <cstddef>
 #include <string>
@@ -21,7 +20,7 @@ struct BeamEstimate {
   LidarRow row;
   std::size_t points = 0;
   double elevation_sigma = 0.0;        // rad
-  double vertical_offset_sigma = 0.0;  // m; above kWorstOffset_m the offset is the other rows' and only that
+  double vertical_offset_sigma = 0.0;  // m; above kWorstOffset_m the offset is taken from other rows
   double residual = 0.0;               // rad, 1.4826 * median absolute deviation of its points
   bool vertical_offset_known = false;
   bool horizontal_offset_known = false;
@@ -30,26 +29,26 @@ struct BeamEstimate {
 
 struct BeamTable {
   std::vector<BeamEstimate> rows;  // top to bottom
-  double columns = 0.0;            // firings per turn, mean; 0: too few points to tell
-  int encoder_ticks = 0;           // per turn; 0: azimuths lie on no grid
+  double columns = 0.0;  // firings per revolution, mean; 0: too few points
+  int encoder_ticks = 0;  // per revolution; 0: azimuths are on no grid
   std::size_t points = 0;
-  std::size_t near = 0;         // of these nearer than kNearestTelling_m: on no beam, and held against none
-  std::size_t unplaced = 0;     // of the others on no beam
+  std::size_t near = 0;  // points nearer than kNearestTelling_m, not assigned to beams
+  std::size_t unplaced = 0;  // other points not assigned to a beam
   double returned_share = 0.0;  // of all firings
-  double range_min = 0.0;       // m, nearest point that has a direction
+  double range_min = 0.0;  // m, nearest point with a direction
   double range_max = 0.0;       // m, farthest point
-  std::vector<std::string> notes;  // what the sweeps do not determine, and why
+  std::vector<std::string> notes;  // undetermined parameters, with reasons
 };
 
 inline constexpr double kWorstOffset_m = 5e-3;
-/// The lever arms of beams and the shape of their spots hide a nearer point's beam.
+/// Below this range lever arms and spot shapes make a point's beam ambiguous.
 inline constexpr double kNearestTelling_m = 0.5;
 
-/// Throws Error{kNumeric} when the points lie on no beams.
+/// Throws Error{kNumeric} when the points are not on beams.
 [[nodiscard]] BeamTable find_beams(const std::vector<RawSweep>& sweeps);
 
-/// A model of full turns that start where the azimuth is pi: columns rounded, azimuth offsets about their
-/// mean.
+/// Returns a model with full revolutions that start at azimuth pi: columns rounded, azimuth offsets relative to
+/// their mean.
 [[nodiscard]] Lidar lidar_of(const BeamTable& table, const std::string& name, SpinDirection spin);
 
 }  // namespace simuli::calibration

@@ -8,8 +8,8 @@ namespace simuli::calibration {
 namespace {
 
 constexpr double kLeastJump_m = 0.5;
-constexpr double kLeastJump = 0.08;  // of the foreground's range
-/// The foreground's next return lies this near, or the foreground is a single stray point.
+constexpr double kLeastJump = 0.08;  // smallest range step relative to the foreground's range
+/// Largest relative range step to the foreground's next return; otherwise it is a single stray point.
 constexpr double kSameSurface = 0.03;  // of the range
 
 class SweepGrid {
@@ -31,8 +31,9 @@ class SweepGrid {
   [[nodiscard]] double elevation(int row, int column) const {
     return static_cast<double>(sweep_.rays.elevation[index(row, column)]);
   }
-  /// The rim half-way from (row, column) to angles (azimuth, elevation). The surface goes on to it as flat as
-  /// from its last return, `before`: along a wall seen at a slant ranges grow by decimetres from ray to ray.
+  /// Returns the edge half-way from (row, column) to angles (azimuth, elevation). Extrapolates the surface
+  /// linearly in 1 / range from its previous return `before`: along a wall at grazing incidence ranges grow by
+  /// decimetres per ray.
   [[nodiscard]] DepthEdge rim(
       int row, int column, double before, double azimuth_out, double elevation_out) const {
     const double last = range(row, column);
@@ -83,7 +84,7 @@ std::vector<DepthEdge> depth_edges(
             grid.rim(row, column, before, grid.azimuth(row, column + side), grid.elevation(row, column)));
       }
       for (const int side : {-1, 1}) {
-        // The neighbour above or below in space: rows need not fire at the same azimuth.
+        // The spatial neighbour above or below: rows need not fire at the same azimuth.
         const auto beside = [&](int other) {
           if (other < 0 || other >= sweep.rays.rows) return -1;
           const double apart = model.rows[static_cast<std::size_t>(row)].azimuth_offset -
@@ -102,7 +103,7 @@ std::vector<DepthEdge> depth_edges(
 }
 
 Eigen::Vector2d EdgeImage::gradient(const Eigen::Vector2d& pixel) const {
-  // Central differences at the four pixels around, bilinear in between. Pixel centres are at halves.
+  // Central differences at the four surrounding pixels, bilinear in between. Pixel centres are at halves.
   const double x = pixel.x() - 0.5;
   const double y = pixel.y() - 0.5;
   const int x0 = static_cast<int>(std::floor(x));
@@ -129,7 +130,7 @@ bool EdgeImage::find(const Eigen::Vector2d& pixel,
                      double least_strength,
                      Edge& edge) const {
   constexpr double kStep_px = 0.5;
-  constexpr double kAcross = 0.5;  // cosine between the edge's normal and the direction
+  constexpr double kAcross = 0.5;  // smallest cosine between the edge's normal and the direction
   const int steps = static_cast<int>(std::ceil(reach_px / kStep_px));
   const auto along = [&](int i) {
     return std::abs(gradient(pixel + i * kStep_px * direction).dot(direction));
@@ -143,7 +144,7 @@ bool EdgeImage::find(const Eigen::Vector2d& pixel,
     const double weight = std::exp(-0.5 * std::pow(2.0 * i * kStep_px / reach_px, 2.0));
     if (here >= least_strength && here >= before && here > after && here * weight > best) {
       best = here * weight;
-      const double bend = before - 2.0 * here + after;  // the peak of the parabola through the three
+      const double bend = before - 2.0 * here + after;  // peak of the parabola through the three values
       best_place = (i + (bend < 0.0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0.0)) * kStep_px;
     }
     before = here;

@@ -15,17 +15,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kTextureRounds = 4;  // of progress
-/// The same rims stand in every sweep and every picture, between the same two rows: on the street, edges
-/// alone leave 28 mm where independent ones would be good for 2.8.
+constexpr std::size_t kTextureRounds = 4;  // for progress
+/// Correlation factor: the same edges appear in every sweep and picture, between the same rows. On the street,
+/// edges alone have an error of 28 mm where independent ones would give 2.8.
 constexpr double kEdgesAlike = 10.0;
-/// Of the edges' distance, by texture that is believed: on streets whose truth is known right texture made it grow
-/// by less, and by 14 % and more where it was wrong by 3 cm and 0.4 degrees.
+/// Largest accepted growth of the edges' distance by texture: with known truth correct texture increased it by
+/// less, and texture that was wrong by 3 cm and 0.4 degrees by 14 % and more.
 constexpr double kMostGrowth = 1.1;
-// Of a clock: 2 cm at 20 m/s.
+// Largest clock error: 2 cm at 20 m/s.
 constexpr double kWorstTime_s = 1e-3;
 
-/// One camera's mounting: by depth edges, then by texture, then without its clock when that can't be told.
+/// Search for one camera's mounting: by depth edges, then by texture, then without its clock if that is
+/// undetermined.
 class MountingSearch {
  public:
   using Progress = std::function<void(std::size_t, std::size_t)>;
@@ -65,7 +66,7 @@ class MountingSearch {
   }
 
  private:
-  /// Of progress, once more without the clock where it turns out to be unknown.
+  /// For progress; one more pass without the clock if it is undetermined.
   [[nodiscard]] std::size_t steps() const {
     return (options_.with_clock ? 2 : 1) * (static_cast<std::size_t>(options_.rounds) + kTextureRounds);
   }
@@ -73,7 +74,7 @@ class MountingSearch {
     if (progress_) progress_(steps_before_ + done, steps());
   }
 
-  /// Finds edges and solves, in turns, from a reach of `first_px` down.
+  /// Alternates edge search and solving, with a reach decreasing from `first_px`.
   void lay_on_edges(double first_px) {
     for (int round = 0; round < options_.rounds; ++round) {
       const double share = std::min(1.0, 1.5 * round / std::max(1, options_.rounds - 1));
@@ -84,7 +85,7 @@ class MountingSearch {
     }
   }
 
-  /// Residuals in sigmas: what they really scatter by scales the covariance.
+  /// Residuals in sigmas; their scatter scales the covariance.
   [[nodiscard]] double scatter() const {
     std::vector<double> errors;
     for (const Match& m : matches_) {
@@ -93,11 +94,11 @@ class MountingSearch {
     return 1.4826 * upper_median(std::move(errors));
   }
 
-  /// What depth edges leave open, in the camera's axes; edge_deviation_: were they independent.
+  /// Covariance of the edge solution in the camera's axes; edge_deviation_: for independent edges.
   MountingMatrix covariance_of_edges() {
     const Eigen::MatrixXd by_edges =
         MountingProblem(matches_, given_, 1.5, with_time_, state_).covariance(with_time_);
-    // Ceres turns quaternions by half-angles about the axes of the rig.
+    // Ceres rotates quaternions by half-angles about the axes of the rig.
     const Eigen::Matrix3d camera_from_rig =
         state_.rig_from_camera.pose().rotation.toRotationMatrix().transpose();
     MountingMatrix axes = MountingMatrix::Zero();
@@ -112,7 +113,7 @@ class MountingSearch {
     return covariance;
   }
 
-  /// From where depth edges put the camera, which is believed as far as they are independent.
+  /// Starts at the edge solution, with the covariance of independent edges as a prior.
   TextureFit fit_by_texture() {
     scale_ = scatter();
     const MountingMatrix covariance = covariance_of_edges();
@@ -178,7 +179,7 @@ class MountingSearch {
     report_.rotation_sigma_rad = deviation.segment<3>(3);
   }
 
-  /// What no edge holds.
+  /// Throws for a direction that no edge constrains.
   void refuse(const char* what, const Vector3d& sigma, double worst, double unit, const char* name) const {
     if (sigma.maxCoeff() <= worst) return;
     Eigen::Index axis = 0;

@@ -1,7 +1,6 @@
 #pragma once
-// Where a camera sits on the rig, and by how much its clock is off: from depth edges of the LiDAR that must
-// lie on edges of the pictures, then from the texture that both sensors see. The path of the rig and the
-// lens are given.
+// Estimates the mounting of a camera on the rig and its clock offset: LiDAR depth edges must match picture
+// edges, then textures seen by both sensors. The rig's trajectory and the lens are given.
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
@@ -17,56 +16,56 @@
 
 namespace simuli::calibration {
 
-/// What the LiDAR saw over the log, by time.
+/// The LiDAR's observations over the log, by time.
 struct LidarScene {
   std::vector<DepthEdge> edges;
   std::vector<SurfacePoint> surfaces;
   double spacing_rad = 0.0;  // between neighbouring beams, median
 };
-/// The spacing of a sensor's rows, or of its columns where it has one row.
+/// The spacing of a sensor's rows, or of its columns if it has one row.
 [[nodiscard]] double beam_spacing(const Lidar& lidar);
 
-// What a mounting is good for: 3 cm at 10 m.
+// Largest accepted errors: 3 cm at 10 m.
 inline constexpr double kWorstTranslation_m = 0.03;
 inline constexpr double kWorstRotation_rad = 0.2 * std::numbers::pi / 180.0;
 
 struct CameraPoseOptions {
   double widest_search = 0.06;   // of the focal length: 3.4 degrees
-  int rounds = 14;               // of finding edges and solving
+  int rounds = 14;  // of edge search and solving
   double least_strength = 0.01;  // luminance per pixel
-  double sweeps_about_s = 0.16;  // edges of sweeps this near in time to a picture are looked for in it
-  bool with_clock = true;        // else the pictures' times are right
+  double sweeps_about_s = 0.16;  // a picture uses edges of sweeps within this time
+  bool with_clock = true;  // estimate the clock offset
 };
 
 struct CameraPoseReport {
   Pose rig_from_camera;
-  double time_offset_s = 0.0;  // to be added to the pictures' times
-  /// Standard deviations: translation along x, y, z of the camera (m), turn about them (rad), clock (s).
+  double time_offset_s = 0.0;  // to add to the pictures' times
+  /// Standard deviations: translation along x, y, z of the camera (m), rotation about them (rad), clock (s).
   Eigen::Vector3d translation_sigma_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d rotation_sigma_rad = Eigen::Vector3d::Zero();
   double time_sigma_s = 0.0;
-  Eigen::Vector3d translation_change_m = Eigen::Vector3d::Zero();  // camera frame, from the value given
+  Eigen::Vector3d translation_change_m = Eigen::Vector3d::Zero();  // camera frame, relative to the given mounting
   double rotation_change_rad = 0.0;
-  /// Where there are pictures enough, by how much a half of the drive puts it elsewhere than the other does,
-  /// along and about the camera's axes; no standard deviation above is less than half of it.
+  /// With enough pictures: difference between the results of the two halves of the drive, along and about the
+  /// camera's axes; standard deviations are at least half of it.
   std::optional<Eigen::Vector3d> halves_apart_m, halves_apart_rad;
   bool time_known = false;
-  bool as_given = false;   // by settle(): the changes above tell what was found, the mounting is that given
-  std::size_t pieces = 0;  // flat pieces with a texture that both show, each in each picture; 0: none
+  bool as_given = false;  // set by settle(): the given mounting is kept; the changes above are those found
+  std::size_t pieces = 0;  // flat textured pieces seen by both sensors, counted per picture; 0: none
   std::size_t texture_points = 0;  // returns on them
-  double texture_before = 0.0;     // median correlation on them, as depth edges put the camera ...
+  double texture_before = 0.0;  // median correlation on them, for the edge solution ...
   double texture_after = 0.0;      // ... and at the end
   std::size_t edges = 0;           // depth edges in view
   std::size_t matched = 0;         // of them, found in the pictures at the end
-  double outlier_share = 0.0;      // of the matched, farther than 3 sigma
-  double before_px = 0.0;          // median distance of matched edges, with the values given ...
-  double after_px = 0.0;           // ... and with those found
-  std::vector<std::string> notes;  // what is not determined, and why
+  double outlier_share = 0.0;  // of the matched edges, beyond 3 sigma
+  double before_px = 0.0;  // median distance of matched edges, with the given values ...
+  double after_px = 0.0;  // ... and with the estimated ones
+  std::vector<std::string> notes;  // undetermined parameters, with reasons
 };
 
-/// Throws Error{kNumeric} with the reason where the data cannot tell the mounting: too few edges in view (a
-/// blank wall), or a direction in which neither edges nor texture hold the camera. A clock that cannot be
-/// told apart from the mounting (a straight drive at constant speed) stays as it is, noted.
+/// Throws Error{kNumeric} with the reason when the data do not determine the mounting: too few edges in view (a
+/// blank wall), or a direction constrained by neither edges nor texture. A clock offset that is not separable
+/// from the mounting (a straight drive at constant speed) stays unchanged, with a note.
 [[nodiscard]] CameraPoseReport find_camera_pose(
     const std::vector<CameraView>& views,
     const LogCamera& camera,
@@ -75,8 +74,8 @@ struct CameraPoseReport {
     const CameraPoseOptions& options = {},
     const std::function<void(std::size_t, std::size_t)>& progress = {});
 
-/// Mean distance of depth edges in view from the pictures' nearest, px, of each at most kFarEdge_px: under each
-/// of two mountings of the camera. Errors as find_camera_pose().
+/// Returns the mean distance of depth edges in view to the nearest picture edges, px, each at most kFarEdge_px,
+/// under each of two mountings. Throws as find_camera_pose().
 inline constexpr double kFarEdge_px = 3.0;
 [[nodiscard]] std::array<double, 2> edges_apart_px(const std::vector<CameraView>& views,
                                                    const LogCamera& camera,
@@ -85,8 +84,9 @@ inline constexpr double kFarEdge_px = 3.0;
                                                    const LidarScene& scene,
                                                    const CameraPoseOptions& options = {});
 
-/// Error{kNumeric} unless pictures that `whose` estimate has not seen are nearer to what the LiDAR saw with what it
-/// found than with what was given: their edges to depth edges and, where it tells, their texture to the returns'.
+/// Throws Error{kNumeric} unless pictures not used by `whose` estimate agree better with the LiDAR under its
+/// result than under the given mounting: their edges with depth edges and, where available, their texture with
+/// the returns'.
 void need_better(const std::vector<CameraView>& views,
                  const LogCamera& given,
                  const Mounting& found,
@@ -95,16 +95,15 @@ void need_better(const std::vector<CameraView>& views,
                  const LidarScene& scene,
                  const CameraPoseOptions& options = {});
 
-/// A mounting that was given right is moved neither by noise nor to where its pictures fit less well: where the
-/// report's mounting and clock are within two of its standard deviations of what was given that is taken
-/// instead. Error{kNumeric} where a standard deviation is above the worst that a mounting is good for, or where
-/// depth edges lie farther from the pictures' than with what was given.
+/// Protects a correct given mounting from noise: if the result and clock are within two standard deviations of
+/// the given values, these are kept. Throws Error{kNumeric} when a standard deviation exceeds the largest
+/// accepted error, or when depth edges fit worse than with the given values.
 void settle(const LogCamera& given, CameraPoseReport& report);
 
-/// Reads the pictures (at most `most_views`, evenly taken) and the sweeps of a log; what the camera's masks
-/// hide of the pictures is left out. Both halves of the drive are asked by themselves, too: Error{kNumeric}
-/// where they disagree, and for a mounting that is not as given where the pictures are too few for it, or where
-/// the other half's do not need_better(). Then settle(). Error{kInput} for a picture of another size than the camera's.
+/// Reads the pictures (at most `most_views`, evenly) and sweeps of a log; masked pixels are ignored. Also
+/// estimates both halves of the drive separately: throws Error{kNumeric} when they disagree, and for a changed
+/// mounting when there are too few pictures for this test, or when the other half does not pass need_better().
+/// Then calls settle(). Throws Error{kInput} for a picture of another size than the camera's.
 [[nodiscard]] CameraPoseReport find_camera_pose(
     const Log& log,
     const std::string& camera,

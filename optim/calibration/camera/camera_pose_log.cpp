@@ -1,4 +1,4 @@
-// What the search for a camera's mounting reads of a log.
+// Reads the inputs of the mounting search from a log.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,20 +28,20 @@ double beam_spacing(const Lidar& lidar) {
 
 namespace {
 
-constexpr std::size_t kLeastViews = 16;  // that halves of a drive are worth comparing
+constexpr std::size_t kLeastViews = 16;  // that comparing halves of a drive needs
 
 [[noreturn]] void refuse(const LogCamera& given, const std::string& reason) {
   throw Error(ErrorKind::kNumeric,
               fmt::format("mounting of camera {}: not determined: {}", given.model.name, reason));
 }
 
-/// Of one thing that is told twice.
+/// Combines two estimates of one quantity.
 template <class Vector>
 void widen(Vector& sigma, const Eigen::Vector3d& apart) {
   sigma = sigma.cwiseMax(0.5 * apart.cwiseAbs());
 }
 
-/// Whether what was given lies within what the report says of its own errors.
+/// Whether the given values are within the reported errors.
 bool is_as_given(const CameraPoseReport& report, const LogCamera& given) {
   constexpr double kReported = 2.0;  // standard deviations
   const MountingStep change =
@@ -51,7 +51,7 @@ bool is_as_given(const CameraPoseReport& report, const LogCamera& given) {
   return (change.cwiseAbs().array() <= kReported * sigma.array()).all();
 }
 
-/// What either half of the pictures says of the mounting, and to the pictures of the other one.
+/// Estimates the mounting from each half of the pictures and tests it on the other half.
 void ask_halves(std::vector<CameraView> views,
                 const LogCamera& given,
                 const Trajectory& world_from_rig,
@@ -59,7 +59,7 @@ void ask_halves(std::vector<CameraView> views,
                 CameraPoseOptions options,
                 const std::function<void(std::size_t, std::size_t)>& progress,
                 CameraPoseReport& report) {
-  options.with_clock = report.time_known;  // where the whole can't tell it no half can
+  options.with_clock = report.time_known;  // a clock undetermined by all data is undetermined by halves
   const auto middle = views.begin() + static_cast<std::ptrdiff_t>(views.size() / 2);
   const std::vector<CameraView> second(std::make_move_iterator(middle), std::make_move_iterator(views.end()));
   views.erase(middle, views.end());
@@ -187,8 +187,8 @@ CameraPoseReport find_camera_pose(const Log& log,
   scene.surfaces = surface_points(sweeps, world_from_rig);
   scene.spacing_rad = beam_spacing(sensor.with_rows());
   const bool has_halves = views.size() >= kLeastViews;
-  // Of the whole's progress: searches that are done, and the current one, which may end early. Halves may be
-  // asked without a clock, which takes one pass instead of two.
+  // Progress over all searches: completed ones and the current one, which may end early. Halves without clock
+  // take one pass instead of two.
   std::size_t before = 0, last = 0, of_whole = 0;
   const auto tell = [&](std::size_t done, std::size_t total) {
     if (done <= last) before += of_whole;

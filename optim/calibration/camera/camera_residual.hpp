@@ -1,5 +1,5 @@
 #pragma once
-// The distance of a depth edge from an edge of a picture, for Ceres.
+// Distance of a depth edge from a picture edge, for Ceres.
 #include "host/core/sensors/camera.hpp"
 #include "host/core/sensors/trajectory.hpp"
 #include "optim/calibration/lens/lens_jets.hpp"
@@ -7,7 +7,7 @@
 
 namespace simuli::calibration {
 
-/// A camera, which must outlive it, whose lens's constants are Jets: 10 kB that no point makes anew.
+/// A camera, which must outlive this, with its lens's constants as Jets, 10 kB that points share.
 struct JetCamera {
   explicit JetCamera(const Camera& a_camera)
       : camera(a_camera), lens(lens_jets::constants_of(a_camera.lens)) {}
@@ -15,7 +15,7 @@ struct JetCamera {
   lens_jets::Constants lens;
 };
 
-/// Pixel of a point in the camera's frame with its derivatives [2 x 3]; false where it has none.
+/// Pixel of a point in the camera's frame with its derivatives [2 x 3]; false without image.
 inline bool pixel_of(const JetCamera& jets,
                      const Eigen::Vector3d& p_camera,
                      Eigen::Vector2d& pixel,
@@ -33,7 +33,7 @@ inline bool pixel_of(const JetCamera& jets,
   return true;
 }
 
-/// The same for a point of Jets: the chain rule by hand, through the one text of the lenses.
+/// The same for a point of Jets: applies the chain rule to the lens code.
 template <int N>
 bool pixel_of(const JetCamera& camera, const ceres::Jet<double, N>* p_camera, ceres::Jet<double, N>* pixel) {
   Eigen::Vector2d value;
@@ -54,9 +54,9 @@ inline bool pixel_of(const JetCamera& jets, const double* p_camera, double* pixe
   return true;
 }
 
-/// Signed distance, over sigma_px, of a world point's pixel from a line in the picture. The camera is
-/// mounted by rig_from_camera, a PoseBlock; the rig is at share u of the way from pose 0 to pose
-/// 1 at the pixel's recorded time, and time_offset later (or earlier) when the clock is off.
+/// Signed distance, over sigma_px, of a world point's pixel from a line in the picture. The camera is mounted
+/// by rig_from_camera, a PoseBlock; the rig is at share u between pose 0 and pose 1 at the pixel's recorded
+/// time, shifted by time_offset.
 struct PointOnLine {
   const JetCamera* camera;
   Eigen::Vector3d p_world;

@@ -22,29 +22,29 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kNear_s = 0.25;         // between a return and a picture
-constexpr double kOnPlane_m = 0.06;      // a return that lies on its voxel's plane
-constexpr double kSamePlane_m = 0.1;     // neighbours that carry a surface on
-constexpr double kOtherSurface_m = 0.2;  // neighbours off it: an edge, where one hides the other
-constexpr double kLeastCosine = 0.05;    // between the line of sight and the normal
+constexpr double kOnPlane_m = 0.06;  // distance to the voxel's plane of a return on it
+constexpr double kSamePlane_m = 0.1;  // distance of neighbours that continue the surface
+constexpr double kOtherSurface_m = 0.2;  // distance of neighbours that indicate an occlusion edge
+constexpr double kLeastCosine = 0.05;  // smallest cosine between the line of sight and the normal
 constexpr std::size_t kFewestOfPiece = 12;
 constexpr std::size_t kFewestPieces = 50;
-constexpr double kLeastAgreement = 0.5;  // share of a piece's luminance that its intensity explains
+constexpr double kLeastAgreement = 0.5;  // share of a piece's luminance variance explained by intensity
 constexpr double kLeastContrast = 0.01;  // standard deviation of luminance on a piece
 constexpr double kNoise = 0.004;         // of luminance
 constexpr double kLoss = 2.0;            // standard deviations
 constexpr std::array<double, 4> kBlurs_px{1.2, 0.7, 0.7, 0.7};
 
-/// Returns on one flat piece that one picture sees.
+/// Returns on one flat piece in one picture.
 struct Piece {
   std::size_t view = 0;
   std::vector<std::uint32_t> points;
 };
 
-/// What one piece says of the mounting.
+/// Evidence of one piece for the mounting.
 struct Verdict {
   MountingMatrix information = MountingMatrix::Zero();
   MountingStep slope = MountingStep::Zero();
-  double agreement = 0.0;  // share of the luminance that the intensity explains
+  double agreement = 0.0;  // share of the luminance variance explained by intensity
   bool counts = false;
 };
 
@@ -70,7 +70,7 @@ class TextureProblem {
     }
   }
 
-  /// Pieces in sight under a mounting on which intensity and luminance agree.
+  /// Visible pieces under a mounting on which intensity and luminance agree.
   [[nodiscard]] std::vector<Piece> find_pieces(const Mounting& mounting) const {
     std::vector<std::vector<Piece>> of_view(views_.size());
     parallel_each(
@@ -97,8 +97,7 @@ class TextureProblem {
   }
 
  private:
-  /// The piece's luminance against its intensity: what is left when the best multiple has been taken off, and
-  /// how that changes with the mounting.
+  /// Regresses the piece's luminance on its intensity: the residual, and its derivative by the mounting.
   [[nodiscard]] Verdict ask(const Piece& piece, const PlacedView& placed) const {
     const auto count = static_cast<Eigen::Index>(piece.points.size());
     Eigen::MatrixXd plain(count, 3);
@@ -121,7 +120,8 @@ class TextureProblem {
       const Vector3d along = point.p_world - origin.p_world;
       plain.row(k) << 1.0, first.dot(along), second.dot(along);
     }
-    // Light falls off over a piece, and intensity with distance and slant: what is linear tells nothing.
+    // Illumination varies over a piece, and intensity with distance and incidence: linear trends carry no
+    // information.
     const double squares = static_cast<double>(count);
     const Eigen::Matrix3d normal = plain.transpose() * plain + 1e-6 * squares * Eigen::Matrix3d::Identity();
     const Eigen::Matrix<double, 3, Eigen::Dynamic> solve = normal.inverse() * plain.transpose();
@@ -141,15 +141,14 @@ class TextureProblem {
     for (Eigen::Index k = 0; k < count; ++k) {
       const MountingStep j = slope.row(k).transpose();
       const double weight = 1.0 / (variance + left[k] * left[k] / (kLoss * kLoss));
-      // Only what the intensity shows too moves along with a better mounting; the rest of the gradient is
-      // noise.
+      // Only the part explained by intensity moves with the mounting; the rest of the gradient is noise.
       out.information += weight * out.agreement * j * j.transpose();
       out.slope += weight * left[k] * j;
     }
     return out;
   }
 
-  /// Returns in sight of view v whose surroundings are all seen to carry on flat, by plane.
+  /// Visible returns of view v with flat surroundings, grouped by plane.
   [[nodiscard]] std::vector<Piece> pieces_of(std::size_t v, const Mounting& mounting) const {
     const CameraView& view = views_[v];
     const PlacedView placed(view, path_, mounting);
@@ -250,8 +249,8 @@ double median_correlation(const std::vector<Verdict>& verdicts) {
   return upper_median(std::move(values));
 }
 
-/// Covariance of the sum of the pieces' slopes: pictures up to kReach apart see the same pieces, so that
-/// their errors add up (Newey and West's estimate, never negative).
+/// Covariance of the sum of the pieces' gradients: pictures up to kReach apart share pieces, so their errors
+/// are correlated (Newey and West's estimate, never negative).
 MountingMatrix scatter(const std::vector<Piece>& pieces,
                        const std::vector<Verdict>& verdicts,
                        std::size_t views) {
@@ -266,8 +265,8 @@ MountingMatrix scatter(const std::vector<Piece>& pieces,
     }
   }
   const auto count = static_cast<double>(views);
-  // Seven of them are used up. The rest is measured: pieces of one street are alike for longer than kReach.
-  // On three streets errors were up to 3, 8 and 12 times what the scatter of their pictures tells.
+  // Seven degrees of freedom are used. The factor is empirical: pieces of one street are correlated beyond
+  // kReach. On three streets errors were up to 3, 8 and 12 times those predicted by the pictures' scatter.
   constexpr double kAlike = 4.0;
   return kAlike * kAlike * count / std::max(1.0, count - 7.0) * sum;
 }
@@ -340,7 +339,7 @@ TextureFit fit_texture(const std::vector<CameraView>& views,
                        const MountingMatrix& covariance,
                        bool with_time,
                        const std::function<void(std::size_t, std::size_t)>& progress) {
-  constexpr int kSteps = 8;          // for the pieces of one blur
+  constexpr int kSteps = 8;  // iterations per blur
   constexpr double kSettled = 0.05;  // of a standard deviation
   constexpr double kFarthest = 5.0;  // standard deviations, over all unknowns
   const int unknowns = with_time ? 7 : 6;
@@ -378,7 +377,7 @@ TextureFit fit_texture(const std::vector<CameraView>& views,
     for (const Piece& piece : pieces) fit.points += piece.points.size();
     fit.after = median_correlation(verdicts);
     fit.before = median_correlation(problem.ask(pieces, start));
-    // Few pieces may agree somewhere else by chance: farther off than `start` allows, they are not believed.
+    // Few pieces may agree by chance far from the start: results beyond the covariance of `start` are rejected.
     const MountingStep off = step_between(start, fit.mounting);
     if (!(off.dot(believed * off) <= kFarthest * kFarthest && fit.after > fit.before)) {
       return {start, covariance, 0, 0, 0.0, 0.0};

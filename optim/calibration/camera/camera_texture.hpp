@@ -1,7 +1,7 @@
 #pragma once
-// Where a camera sits and how its clock runs, from what the LiDAR's intensity and the pictures both show:
-// paint on the road, joints and frames in walls. Every return is compared with the one place of the picture
-// that it falls on, so that the distance between beams does not enter.
+// Estimates a camera's mounting and clock from textures seen by LiDAR intensity and pictures: paint on the
+// road, joints and frames in walls. Every return is compared with its own position in the picture, so the beam
+// spacing does not limit accuracy.
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
@@ -23,13 +23,13 @@ struct CameraView {
   double exposure_end_s = 0.0;
 };
 
-/// What is looked for: rig_from_camera, and what is to be added to the pictures' times.
+/// Unknowns: rig_from_camera, and the offset to add to the pictures' times.
 struct Mounting {
   Pose rig_from_camera;
   double time_offset_s = 0.0;
 };
 
-/// Changes of a mounting: place along x, y, z of the camera (m), turn about them (rad), clock (s).
+/// Changes of a mounting: translation along x, y, z of the camera (m), rotation about them (rad), clock (s).
 using MountingStep = Eigen::Matrix<double, 7, 1>;
 using MountingMatrix = Eigen::Matrix<double, 7, 7>;
 [[nodiscard]] Mounting moved(const Mounting& mounting, const MountingStep& step);
@@ -46,35 +46,34 @@ struct CameraPoint {
                                        double recorded_s,
                                        const Eigen::Vector3d& p_world);
 
-/// The path's pose at a time that a clock on trial may have put outside of it.
+/// The trajectory's pose, clamped at its ends for trial clock offsets.
 [[nodiscard]] Pose pose_near(const Trajectory& path, double time_s);
 
-/// Returns in world, each moved by the path at its own time, with the plane that they lie on.
+/// Returns in the world, motion-compensated, with their plane.
 struct SurfacePoint {
   Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit, either side; zero: on no plane
-  int plane = -1;                                    // number of a flat piece of up to 1 m
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // unit, arbitrary sign; zero: no plane
+  int plane = -1;  // index of a flat piece of up to 1 m
   float intensity = 0.0F;
   double time_s = 0.0;
 };
-/// By time.
+/// Sorted by time.
 [[nodiscard]] std::vector<SurfacePoint> surface_points(const std::vector<Returns>& sweeps,
                                                        const Trajectory& world_from_rig);
 
 struct TextureFit {
   Mounting mounting;
   MountingMatrix covariance = MountingMatrix::Zero();
-  std::size_t pieces = 0;  // flat pieces, each in each picture that sees it, on which both agree
+  std::size_t pieces = 0;  // flat pieces with agreement, counted per picture
   std::size_t points = 0;  // returns on them, in pictures
-  double before = 0.0;  // median correlation of intensity and luminance on them, where `start` puts them ...
+  double before = 0.0;  // median correlation of intensity and luminance on them, at `start` ...
   double after = 0.0;   // ... and at the end
 };
 
-/// Moves `start`, which is believed as far as `covariance` says, to where flat pieces look alike: luminance =
-/// b intensity, b > 0, but for what is linear along the piece, with a b for each piece in each picture.
-/// spacing_rad: between neighbouring beams, for what hides what. Without with_time the clock stays. The
-/// covariance takes neighbouring pictures for dependent on one another (they see the same pieces). pieces ==
-/// 0: the pictures show nothing of it, and `start` is the answer.
+/// Moves `start`, with `covariance` as a prior, to maximise agreement on flat pieces: luminance = b intensity,
+/// b > 0, except for linear trends on the piece, with a separate b for each piece in each picture. spacing_rad:
+/// between neighbouring beams, for occlusion. Without with_time the clock is fixed. The covariance accounts for
+/// pieces shared by neighbouring pictures. pieces == 0: no usable texture, and the result is `start`.
 [[nodiscard]] TextureFit fit_texture(const std::vector<CameraView>& views,
                                      const Camera& camera,
                                      const Trajectory& world_from_rig,
@@ -85,8 +84,8 @@ struct TextureFit {
                                      bool with_time,
                                      const std::function<void(std::size_t, std::size_t)>& progress = {});
 
-/// Mean correlation of intensity and luminance under each of two mountings, on the pieces on which they agree
-/// under the one or the other; nothing where those are too few to tell.
+/// Mean correlation of intensity and luminance under each of two mountings, on the pieces that agree under
+/// either; no value with too few pieces.
 [[nodiscard]] std::optional<std::array<double, 2>> texture_of(const std::vector<CameraView>& views,
                                                               const Camera& camera,
                                                               const Trajectory& world_from_rig,

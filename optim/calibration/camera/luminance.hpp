@@ -1,5 +1,5 @@
 #pragma once
-// Pictures as calibration looks at them: one number per pixel, NaN where a mask hides it (kHiddenValue).
+// Pictures for calibration: one number per pixel, NaN where masked (kHiddenValue).
 #include <cstddef>
 #include <vector>
 
@@ -11,13 +11,13 @@ class Luminance {
  public:
   Luminance() = default;
   explicit Luminance(const Image& image);
-  /// Blurred by a Gaussian of sigma_px > 0; beyond the border the picture goes on as its last pixels. What
-  /// anything hidden would flow into is hidden, too.
+  /// Returns the picture blurred by a Gaussian of sigma_px > 0, with extended borders. Pixels that masked ones
+  /// would affect are masked.
   [[nodiscard]] Luminance blurred(double sigma_px) const;
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
   [[nodiscard]] float at(int x, int y) const { return values_[index(x, y)]; }
-  /// Whether nothing is hidden.
+  /// Whether no pixel is masked.
   [[nodiscard]] bool all_open() const;
   /// [height][width], top row first.
   [[nodiscard]] const float* data() const { return values_.data(); }

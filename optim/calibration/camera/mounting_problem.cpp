@@ -18,12 +18,12 @@ using Eigen::Vector3d;
 
 constexpr double kSmooth_px = 1.0;
 constexpr std::size_t kFewestMatches = 300;
-constexpr double kPictureSigma_px = 0.4;  // of an edge found in a picture
+constexpr double kPictureSigma_px = 0.4;  // of edge positions in pictures
 constexpr double kPriorTranslation_m = 0.3;
 constexpr double kPriorRotation_rad = 5.0 * kDegree;
 constexpr double kPriorTime_s = 0.05;
 
-/// Edges within `about_s` of each view: [views] of [first, last) into edges, which are by time.
+/// Ranges [first, last) of edges (sorted by time) within `about_s` of each view: [views].
 std::vector<std::pair<std::size_t, std::size_t>> edges_of_views(const std::vector<CameraView>& views,
                                                                 const std::vector<DepthEdge>& edges,
                                                                 double about_s) {
@@ -113,7 +113,7 @@ Match EdgeMatcher::find_one(std::size_t v, std::size_t e, const MountingState& s
   double time_s = 0.0;
   Vector2d pixel;
   Pose camera_from_world;
-  // A rolling shutter's rows are exposed when they are: twice is enough for 20 ms and any road.
+  // Rolling-shutter rows have their own times: two iterations suffice for 20 ms.
   for (int k = 0; k < 2; ++k) {
     time_s = view.exposure_start_s + fraction * (view.exposure_end_s - view.exposure_start_s);
     camera_from_world = (pose_near(path_, time_s + state.time_offset_s) * rig_from_camera).inverse();
@@ -182,7 +182,7 @@ void MountingProblem::solve() {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = 15;
-  options.num_threads = 1;  // sums in one order
+  options.num_threads = 1;  // fixed summation order
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem_, &summary);

@@ -1,6 +1,5 @@
 #pragma once
-// Steps of find_camera_pose(): depth edges of the LiDAR looked for in the pictures, and the mounting that
-// lays them on what is found.
+// Steps of find_camera_pose(): search of depth edges in the pictures, and the mounting that aligns them.
 #include <Eigen/Core>
 #include <ceres/problem.h>
 #include <cstddef>
@@ -21,16 +20,16 @@ struct Match {
   bool in_view = false;
 };
 
-/// What is looked for: a camera's mounting and its clock.
+/// Unknowns: a camera's mounting and its clock.
 struct MountingState {
   PoseBlock rig_from_camera;
   double time_offset_s = 0.0;
 };
 
-/// Of a match that was found, px; infinite where the camera does not see the point.
+/// Distance of a match, px; infinite when the camera does not see the point.
 [[nodiscard]] double distance_px(const PointOnLine& line, const MountingState& state);
 
-/// The depth edges near each view in time, and where they are looked for. What it is made of must outlive it.
+/// Finds the depth edges near each view in time in its picture. Its inputs must outlive it.
 class EdgeMatcher {
  public:
   EdgeMatcher(const std::vector<CameraView>& views,
@@ -38,8 +37,8 @@ class EdgeMatcher {
               const Trajectory& world_from_rig,
               const std::vector<DepthEdge>& edges,
               const CameraPoseOptions& options);
-  /// Each of them, view by view, as far as `reach_px` from where `state` puts it. Error{kNumeric} when too
-  /// few are found.
+  /// Searches each edge, view by view, within `reach_px` of its projection by `state`. Throws Error{kNumeric}
+  /// when too few are found.
   [[nodiscard]] std::vector<Match> find(const MountingState& state, double reach_px) const;
 
  private:
@@ -59,18 +58,18 @@ class EdgeMatcher {
   std::vector<Eigen::Vector3d> p_world_, across_world_;      // [edges]
 };
 
-/// The mounting and the clock that the matches ask for, around what was given.
+/// Solves for mounting and clock from matches, near the given values.
 class MountingProblem {
  public:
-  /// `state` is where it starts, and what it changes; `loss` in sigmas.
+  /// Starts at `state` and changes it; `loss` in sigmas.
   MountingProblem(const std::vector<Match>& matches,
                   const MountingState& given,
                   double loss,
                   bool with_time,
                   MountingState& state);
-  /// Error{kNumeric} when there is no solution.
+  /// Throws Error{kNumeric} without solution.
   void solve();
-  /// Half-angles about the rig's axes, place on the rig, clock: [7 x 7], or 6 without a clock.
+  /// Half-angles about the rig's axes, position on the rig, clock: [7 x 7], or 6 without a clock. Throws
   /// Error{kNumeric} when it is not finite.
   [[nodiscard]] Eigen::MatrixXd covariance(bool with_time);
 

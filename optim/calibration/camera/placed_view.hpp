@@ -1,5 +1,5 @@
 #pragma once
-// A picture whose brightness has slopes, and where a mounting puts the camera that took it.
+// A picture with brightness gradients, and its camera under a mounting.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace simuli::calibration {
 
-/// A picture between its pixels.
+/// A picture interpolated between pixels.
 class SmoothPicture {
  public:
   SmoothPicture(const Luminance& picture, double blur_px)
@@ -22,10 +22,10 @@ class SmoothPicture {
   SmoothPicture(const SmoothPicture&) = delete;  // cubic_ points at grid_
   SmoothPicture& operator=(const SmoothPicture&) = delete;
 
-  /// Whether nothing that a mask hides is near enough to tell in at(), here and up to 3 px further on.
+  /// Whether no masked pixel affects at(), here and within 3 px.
   [[nodiscard]] bool is_open(const Eigen::Vector2d& pixel) const {
     if (all_open_) return true;
-    // What one hidden pixel flows into is at least 7 px wide: these four and the middle don't miss it.
+    // A masked pixel affects at least 7 px: testing the centre and four points finds it.
     constexpr double kFurther_px = 3.0;
     Eigen::Vector2d unused;
     double sum = at(pixel, unused);
@@ -62,7 +62,7 @@ inline Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& rotation) {
                     : Eigen::Vector3d::Zero();
 }
 
-/// The rig's poses under one mounting: those of a picture with a global shutter are worked out once.
+/// The rig's poses under one mounting; computed once for a global shutter.
 class PlacedView {
  public:
   PlacedView(const CameraView& view, const Trajectory& path, const Mounting& mounting)
@@ -70,7 +70,7 @@ class PlacedView {
 
   [[nodiscard]] CameraPoint see(const Camera& camera, const Eigen::Vector3d& p_world) const {
     if (view_.exposure_end_s == view_.exposure_start_s) return middle_.see(p_world);
-    // A rolling shutter's rows are exposed when they are: twice is enough for 20 ms and any road.
+    // Rolling-shutter rows have their own times: two iterations suffice for 20 ms.
     CameraPoint point = middle_.see(p_world);
     for (int k = 0; k < 2; ++k) {
       Eigen::Vector2d pixel;

@@ -26,7 +26,7 @@ int lens_parameters(LensKind kind) {
   return std::max(0, static_cast<int>(lens_parameter_names(kind).size()) - 1);  // without max_angle_rad
 }
 
-/// Parameters as Lens::fill_constants lays them out, without limits: the fit sees no domain.
+/// Parameters in the layout of Lens::fill_constants, without domain limits.
 lens_jets::Constants constants_of(LensKind kind, const std::vector<F>& lens) {
   lens_jets::Constants k{};
   constexpr double kFar = 1e9;
@@ -107,7 +107,7 @@ class SamePixel : public ceres::CostFunction {
   Sample sample_;
 };
 
-/// Rays through pixels of a grid with `side` steps along the longer side, shifted by `phase` of a step.
+/// Rays through a pixel grid with `side` steps along the longer side, shifted by `phase` of a step.
 std::vector<Sample> sample_rays(const Camera& source, int side, double phase, double widest_rad) {
   const double step = static_cast<double>(std::max(source.width, source.height)) / side;
   std::vector<Sample> samples;
@@ -123,9 +123,9 @@ std::vector<Sample> sample_rays(const Camera& source, int side, double phase, do
   return samples;
 }
 
-/// The widest ray that a model of this kind can be asked for.
+/// The widest usable ray of a model of this kind.
 double widest_angle(LensKind kind) {
-  constexpr double kPerspective_rad = 1.45;  // 83 degrees: beyond, a picture plane has no place
+  constexpr double kPerspective_rad = 1.45;  // 83 degrees: beyond, the picture plane diverges
   const bool is_plane = kind == LensKind::kPinhole || kind == LensKind::kOpencvPinhole;
   return is_plane ? kPerspective_rad : kPi - 1e-3;
 }
@@ -159,7 +159,7 @@ std::vector<double> first_guess(const Camera& source, LensKind kind) {
   return out;
 }
 
-/// Places of the parameters that the fit leaves alone.
+/// Indices of fixed parameters.
 std::vector<int> held(LensKind kind, bool rational) {
   switch (kind) {
     case LensKind::kOpencvPinhole:
@@ -167,7 +167,7 @@ std::vector<int> held(LensKind kind, bool rational) {
       return {kFocal + 5, kFocal + 6, kFocal + 7, kFocal + 8, kFocal + 9, kFocal + 10, kFocal + 11};
     case LensKind::kFtheta:
     case LensKind::kFthetaInverse:
-      return {kFocal, kFocal + 5};  // fx and fy hold the scales of the polynomial and of the picture's axes
+      return {kFocal, kFocal + 5};  // fx and fy already scale the polynomial and the picture's axes
     default:
       return {};
   }

@@ -1,6 +1,6 @@
 #pragma once
-// One camera model in terms of another: the parameters of `kind` that send the same directions to the same
-// pixels. F-theta in one reference direction to the other is the inversion of its polynomial.
+// Fits a camera model of one kind to another: parameters of `kind` that map the same directions to the same
+// pixels. Converting F-theta between its reference directions inverts its polynomial.
 #include <Eigen/Core>
 #include <cstddef>
 
@@ -11,17 +11,17 @@ namespace simuli::calibration {
 struct LensFit {
   Camera camera;            // same name, size and shutter
   std::size_t samples = 0;  // rays that the fit used
-  std::size_t checked = 0;  // other rays, on which the errors below were measured
-  double rms_px = 0.0;      // distance between the two models' pixels
+  std::size_t checked = 0;  // other rays, used for the errors below
+  double rms_px = 0.0;  // distance between the two models' pixels
   double largest_px = 0.0;
   Eigen::Vector2d largest_at = Eigen::Vector2d::Zero();  // pixel of the source
-  double uncovered_share = 0.0;  // of the source's pixels with a ray, that the fitted model has no image for
+  double uncovered_share = 0.0;  // share of the source's pixels with a ray without image in the fitted model
 };
 
-/// Ceres over focal lengths, centre and the lens's parameters, on rays of a grid of pixels. Rational terms
-/// of opencv_pinhole are used where polynomials do not reach a hundredth of a pixel; thin-prism
-/// terms stay off. max_angle_rad becomes the widest ray used. Throws Error{kUsage} for
-/// `equirectangular`, which has nothing to fit, Error{kNumeric} when no ray can be used or nothing is found.
+/// Optimises focal lengths, centre and lens parameters with Ceres, on rays of a pixel grid. Uses rational terms
+/// of opencv_pinhole where polynomials do not reach a hundredth of a pixel; thin-prism terms stay 0.
+/// max_angle_rad becomes the widest ray used. Throws Error{kUsage} for `equirectangular`, which has no
+/// parameters, Error{kNumeric} when no ray is usable or no solution is found.
 [[nodiscard]] LensFit fit_lens(const Camera& source, LensKind kind);
 
 /// Pixel of `direction` and its derivatives by the fitted parameters, for tests: [2 x (4 + lens parameters

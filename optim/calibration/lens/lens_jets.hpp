@@ -1,7 +1,7 @@
 #pragma once
-// cl/math/camera.h compiled for automatic derivatives: the text that the device and the host run is the one
-// that is differentiated. F is a Ceres Jet, a mask is an int. Only this folder's sources include this,
-// and none that includes host/core/sensors/lens/lens_forward.hpp.
+// cl/math/camera.h compiled for automatic differentiation, so that the differentiated code is the code of
+// device and host. F is a Ceres Jet, a mask is an int. Included only by this folder's sources, and not together
+// with host/core/sensors/lens/lens_forward.hpp.
 #include <Eigen/Core>
 #include <algorithm>
 #include <ceres/jet.h>
@@ -25,7 +25,7 @@ inline void sincos_lanes(const F& x, F* sine, F* cosine) {
 
 using Constants = shared::LensConstants<F>;
 
-/// Those of a lens, without derivatives.
+/// Constants of a lens, without derivatives.
 inline Constants constants_of(const Lens& lens) {
   const auto& from = lens.constants();
   Constants to{};
@@ -51,7 +51,7 @@ inline Constants constants_of(const Lens& lens) {
   return to;
 }
 
-/// Image of a point in front of a lens of `kind`; false where it has none.
+/// Image of a point in front of a lens of `kind`; false without one.
 inline bool project(LensKind kind, const Constants& lens, F x, F y, F z, F& u, F& v) {
   const Constants* const k = &lens;
   int valid = 1;

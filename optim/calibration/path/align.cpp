@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The log's own poses at the path's knots.
+/// The log's recorded poses at the trajectory's knots.
 std::vector<TimedPose> recorded_path(const Log& log, const std::vector<double>& knots_s) {
   std::vector<TimedPose> path;
   for (const double time_s : knots_s) path.push_back({time_s, log.world_from_rig.at(time_s)});
@@ -76,10 +76,10 @@ AlignReport align_log(const Log& log,
   std::optional<PathPrior> prior;
   if (options.use_prior) {
     prior = PathPrior{log.world_from_rig, options.prior_sigma_m, options.prior_sigma_rad};
-    // Odometry starts in its own world; the prior's is where the log's first pose is.
+    // Odometry's world is transformed to the prior's at the log's first pose.
     const Pose prior_from_path = recorded.front().pose * report.path.front().pose.inverse();
     for (TimedPose& knot : report.path) knot.pose = prior_from_path * knot.pose;
-    // Among much that moves odometry may have gone astray where the recorded path has not.
+    // With many moving objects odometry may fail where the recorded poses do not.
     if (report.recorded.planar_share > report.odometry.planar_share) report.path = recorded;
   }
   if (options.use_prior && report.recorded.median_m < options.fine_m) {

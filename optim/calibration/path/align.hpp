@@ -1,5 +1,5 @@
 #pragma once
-// The path of a log from its LiDAR: odometry, then a joint refinement of all poses.
+// Estimates the trajectory of a log from its LiDAR: odometry, then joint refinement of all poses.
 #include <cstddef>
 #include <functional>
 #include <string>
@@ -14,13 +14,13 @@ namespace simuli::calibration {
 
 struct AlignOptions {
   std::string lidar;       // name; empty: the log's first
-  bool use_prior = false;  // the log's own poses are believed, as far as the sigmas say
+  bool use_prior = false;  // use the log's recorded poses as a prior, with the sigmas below
   double prior_sigma_m = 0.1;
   double prior_sigma_rad = 0.0035;  // 0.2 degrees
   double near_m =
-      0.0;  // with the prior: recorded poses whose surfaces are thinner are the start, without odometry
-  double fine_m = 0.0;           // and below that they are the result
-  std::size_t spin_sweeps = 10;  // for the spin direction; 0: not asked for
+      0.0;  // with the prior: recorded poses with thinner surfaces are the start, without odometry
+  double fine_m = 0.0;  // recorded poses with thinner surfaces are the result
+  std::size_t spin_sweeps = 10;  // sweeps for the spin direction; 0: not estimated
   OdometryOptions odometry;
   RefineOptions refine;
 };
@@ -39,15 +39,14 @@ struct AlignReport {
 };
 
 /// progress(stage, done, total). Throws Error{kInput} for a log without sweeps of the LiDAR, Error{kNumeric}
-/// where the sweeps do not determine the path.
+/// when the sweeps do not determine the trajectory.
 [[nodiscard]] AlignReport align_log(
     const Log& log,
     const AlignOptions& options = {},
     const std::function<void(const char*, std::size_t, std::size_t)>& progress = {});
 
-/// Writes the log with another path (and whatever else was changed in it) to a new folder. Boxes of actors
-/// were seen from the rig and go where it goes. Pictures and sweeps are hard links where the file system has
-/// them, copies where not.
+/// Writes the log with another trajectory (and other changes) to a new folder. Actors' boxes move with the rig.
+/// Pictures and sweeps are hard links where the file system supports them, otherwise copies.
 void write_aligned_log(const Log& log, const Trajectory& world_from_rig, const std::filesystem::path& folder);
 
 }  // namespace simuli::calibration

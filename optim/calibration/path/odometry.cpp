@@ -22,16 +22,16 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kFewestReturns = 500;
 constexpr std::size_t kFewestMatches = 100;
-constexpr std::size_t kSolvedTogether = 4;  // sweeps, at the start
-/// Planes' normals are known to 2 or 3 hundredths of a rad: below the square of three times that, what seems
-/// to hold the sensor is noise.
+constexpr std::size_t kSolvedTogether = 4;  // first sweeps solved jointly
+/// Normals of planes are accurate to 2 or 3 hundredths of a rad: below the square of three times that, an
+/// apparent constraint is noise.
 constexpr double kLeastShare = 0.005;
 
 std::size_t stride_of(const Returns& returns, const OdometryOptions& options) {
   return std::max<std::size_t>(1, returns.size() / options.points_per_sweep);
 }
 
-/// How far points may lie from their plane: wide at first, then near.
+/// Largest distance of points to their plane: decreasing over the iterations.
 struct Gate {
   double first_m;
   double last_m;
@@ -49,7 +49,7 @@ struct Match {
 struct Registration {
   TimedPose start;
   TimedPose end;
-  double score = 0.0;  // sum over points of 1 on a plane, falling to 0 at kOutlier_m
+  double score = 0.0;  // sum over points of 1 on a plane, decreasing to 0 at kOutlier_m
   std::vector<Match> matches;
 };
 
@@ -57,8 +57,8 @@ struct Registration {
   return interpolate(start.pose, end.pose, (time_s - start.time_s) / (end.time_s - start.time_s));
 }
 
-/// Every `stride`-th return that has a plane within gate_m, at most kPerPlane of each plane so that near
-/// surfaces do not outvote far ones.
+/// Every `stride`-th return with a plane within gate_m, at most kPerPlane per plane so that near surfaces do
+/// not dominate.
 std::vector<Match> match(const Returns& returns,
                          std::size_t stride,
                          const PlaneMap& map,
@@ -82,7 +82,7 @@ std::vector<Match> match(const Returns& returns,
   return matches;
 }
 
-/// One Gauss-Newton round on fixed matches; returns the larger of the moves (m, and rad x 10 m).
+/// One Gauss-Newton round with fixed matches; returns the larger move (m, and rad x 10 m).
 double solve(
     const Returns& returns, const PlaneMap& map, double loss_m, const TimedPose& before, Registration& r) {
   PoseBlock start(r.start.pose);
@@ -91,7 +91,7 @@ double solve(
   for (PoseBlock* block : {&start, &end}) {
     problem.AddParameterBlock(block->data(), PoseBlock::kSize, new PoseBlock::Manifold);
   }
-  auto* const loss = new ceres::CauchyLoss(loss_m / kPointSigma_m);  // the problem deletes it, once
+  auto* const loss = new ceres::CauchyLoss(loss_m / kPointSigma_m);  // owned by the problem
   const double span_s = r.end.time_s - r.start.time_s;
   for (const Match& m : r.matches) {
     const Plane& plane = map.plane(m.plane);
@@ -105,7 +105,7 @@ double solve(
                              start.data(),
                              end.data());
   }
-  // The path is continuous: the sweep starts about where the one before it ended.
+  // Continuity: the sweep starts near the end of the one before.
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PosePrior, 6, PoseBlock::kSize>(
                                new PosePrior{PoseBlock(before.pose), 0.05 * kDegree, 0.01}),
                            nullptr,
@@ -114,7 +114,7 @@ double solve(
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = 4;
   options.function_tolerance = 1e-5;
-  options.num_threads = 1;  // sums in one order
+  options.num_threads = 1;  // fixed summation order
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
@@ -154,7 +154,7 @@ Registration register_sweep(const Returns& returns,
   return r;
 }
 
-/// Every `stride`-th return.
+/// Adds every `stride`-th return.
 void add_to_map(
     const Returns& returns, std::size_t stride, const TimedPose& start, const TimedPose& end, PlaneMap& map) {
   std::vector<Vector3d> p_world(returns.size() / stride);
@@ -165,7 +165,7 @@ void add_to_map(
   map.update();
 }
 
-/// `pose` moved on at the velocity from `from` to `to` until time_s.
+/// Extrapolates `pose` with the velocity between `from` and `to` to time_s.
 TimedPose continued(const TimedPose& from, const TimedPose& to, double time_s) {
   const double ratio = (time_s - to.time_s) / (to.time_s - from.time_s);
   const Pose step = from.pose.inverse() * to.pose;
@@ -174,11 +174,12 @@ TimedPose continued(const TimedPose& from, const TimedPose& to, double time_s) {
       to.pose * Pose{Eigen::Quaterniond::Identity().slerp(ratio, step.rotation), ratio * step.translation}};
 }
 
-/// The first sweep's motion, found by trying forward speeds: which of them lets the second fit the first?
+/// Finds the first sweep's motion by testing forward speeds: the one with which the second sweep fits the
+/// first.
 TimedPose first_motion(const std::vector<Returns>& sweeps,
                        const std::vector<double>& knots_s,
                        const OdometryOptions& options) {
-  constexpr double kStep_m = 0.2;  // per sweep; registration finds the rest
+  constexpr double kStep_m = 0.2;  // per sweep; registration refines
   const TimedPose origin{knots_s[0], Pose{}};
   const double span_s = knots_s[1] - knots_s[0];
   const auto try_motion = [&](const TimedPose& end, const Gate& gate) {
@@ -214,8 +215,8 @@ TimedPose first_motion(const std::vector<Returns>& sweeps,
   return end;
 }
 
-/// The motion guessed for the first sweep bends the map, and every sweep that is laid on the map is bent
-/// alike: its end stays off by as much. What the first sweeps agree on together has no such memory.
+/// An error of the first sweep's assumed motion bends the map and all later sweeps. Solving the first sweeps
+/// jointly removes it.
 void solve_together(const std::vector<Returns>& sweeps,
                     std::size_t count,
                     std::vector<TimedPose>& path,
@@ -268,7 +269,7 @@ void require_constraint(const Returns& returns,
   }
 }
 
-/// An axis has two directions: the one whose largest component is positive.
+/// Of the two directions of an axis, the one with a positive largest component.
 Vector3d signed_axis(const Vector3d& axis) {
   Eigen::Index largest = 0;
   (void)axis.cwiseAbs().maxCoeff(&largest);
@@ -316,7 +317,7 @@ Constraint constraint_of(const std::vector<Vector3d>& p_rig, const std::vector<V
   for (const Vector3d& p : p_rig) square_range += p.squaredNorm() / count;
   Matrix3d shift = Matrix3d::Zero();
   Matrix3d turn = Matrix3d::Zero();
-  Matrix3d mixed = Matrix3d::Zero();  // rows: turn
+  Matrix3d mixed = Matrix3d::Zero();  // rows: rotation
   for (std::size_t i = 0; i < p_rig.size(); ++i) {
     const Vector3d arm = p_rig[i].cross(normal_rig[i]) / std::sqrt(square_range);
     shift += normal_rig[i] * normal_rig[i].transpose() / count;
@@ -326,7 +327,7 @@ Constraint constraint_of(const std::vector<Vector3d>& p_rig, const std::vector<V
   const Eigen::SelfAdjointEigenSolver<Matrix3d> shifts(shift);
   out.least_shift = shifts.eigenvalues()[0];
   out.shift_direction = signed_axis(shifts.eigenvectors().col(0));
-  // What turns alone tell, once every shift has been allowed for.
+  // Information of rotations alone, after marginalising shifts.
   const Matrix3d left = turn - mixed * pseudo_inverse(shift) * mixed.transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix3d> turns(left);
   out.least_turn = turns.eigenvalues()[0];

@@ -1,4 +1,4 @@
-// How well returns lie on the planes that a path makes of them.
+// Consistency of returns with the planes of a trajectory's map.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>

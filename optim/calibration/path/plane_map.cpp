@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kFewestPoints = 10;
 constexpr double kThickest_m = 0.04;  // range noise, pose error and roughness together
-/// A plane's points spread along it at least this much wider than across it, in standard deviations, and at
-/// least this share of the voxel's side: a row of points on a wall is a line, not a plane.
+/// A plane's extent relative to its thickness, in standard deviations, and relative to the voxel's side: a row
+/// of points on a wall is a line, not a plane.
 constexpr double kWiderThanThick = 4.0;
 constexpr double kNarrowest = 0.08;
 
@@ -71,7 +71,7 @@ void PlaneMap::update() {
 int PlaneMap::find(const Eigen::Vector3d& p_world) const {
   for (std::size_t level = 0; level < kSizes_m.size(); ++level) {
     const auto found = cell_of_voxel_[level].find(voxel_key(p_world, kSizes_m[level]));
-    if (found == cell_of_voxel_[level].end()) return -1;  // smaller voxels lie inside larger ones
+    if (found == cell_of_voxel_[level].end()) return -1;  // smaller voxels are inside larger ones
     if (cells_[found->second].is_plane) return static_cast<int>(found->second);
   }
   return -1;

@@ -1,5 +1,5 @@
 #pragma once
-// The world as planes: voxels that sum up their points, and the plane through them where there is one.
+// A map of planes: voxels that accumulate points, and fitted planes.
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -9,26 +9,25 @@
 
 namespace simuli::calibration {
 
-/// The voxel of side size_m that holds p, as one number. Distinct within 2^20 voxels of the origin.
+/// Key of the voxel of side size_m that contains p; unique within 2^20 voxels of the origin.
 [[nodiscard]] std::uint64_t voxel_key(const Eigen::Vector3d& p, double size_m);
 
 struct Plane {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();   // m, mean of its points
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, either side
-  double thickness_m = 0.0;                           // standard deviation of its points along the normal
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  // unit, arbitrary sign
+  double thickness_m = 0.0;  // standard deviation of its points along the normal
 };
 
-/// Voxels in two sizes. A plane is looked up in the large ones first: where the surface is flat over that
-/// far, more points fix it better.
+/// Voxels in two sizes. Lookups prefer planes of large voxels, which more points determine.
 class PlaneMap {
  public:
   static constexpr std::array<double, 2> kSizes_m{1.0, 0.5};
 
   /// Adds a point (m, world). Planes are those of the last update().
   void add(const Eigen::Vector3d& p_world);
-  /// Fits the planes of the voxels that points were added to.
+  /// Fits planes of voxels with new points.
   void update();
-  /// Number of the plane in whose voxel p lies; -1 where there is none. Numbers stay when points are added.
+  /// Index of the plane of the voxel that contains p; -1 without one. Indices are stable when points are added.
   [[nodiscard]] int find(const Eigen::Vector3d& p_world) const;
   [[nodiscard]] const Plane& plane(int number) const {
     return cells_[static_cast<std::size_t>(number)].plane;
@@ -37,7 +36,7 @@ class PlaneMap {
 
  private:
   struct Cell {
-    Eigen::Vector3d corner;  // sums are taken from here
+    Eigen::Vector3d corner;  // origin of the sums
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     Eigen::Matrix3d sum_outer = Eigen::Matrix3d::Zero();
     int count = 0;

@@ -26,7 +26,7 @@ using Eigen::Vector3d;
 
 constexpr double kLoss_m = 0.03;
 constexpr double kGate_m = 0.15;
-constexpr std::size_t kFewestSweeps = 3;  // on a plane
+constexpr std::size_t kFewestSweeps = 3;  // per plane
 
 struct Observation {
   std::size_t segment;
@@ -40,12 +40,12 @@ struct FreePlane {
   std::array<double, 3> change{0.0, 0.0, 0.0};
 };
 
-/// Planes of the map along `path`, each with the points that lie on it.
+/// Planes of the map along `path`, with their points.
 std::vector<FreePlane> find_planes(const std::vector<Returns>& sweeps,
                                    const std::vector<TimedPose>& path,
                                    std::size_t points_per_sweep) {
-  constexpr std::size_t kStride = 2;  // planes have points to spare
-  constexpr int kPerSweep = 3;        // observations of one plane by one sweep
+  constexpr std::size_t kStride = 2;  // planes have enough points
+  constexpr int kPerSweep = 3;  // observations of one plane per sweep
   const auto stride_of = [&](const Returns& sweep) {
     return std::max<std::size_t>(1, sweep.size() / points_per_sweep);
   };
@@ -63,7 +63,7 @@ std::vector<FreePlane> find_planes(const std::vector<Returns>& sweeps,
     std::size_t last_sweep = 0;
     int of_sweep = 0;
   };
-  std::map<int, Members> members;  // by plane: in the order of their numbers
+  std::map<int, Members> members;  // by plane index
   for (std::size_t s = 0; s < sweeps.size(); ++s) {
     const Returns& sweep = sweeps[s];
     Interruption::ask();
@@ -94,7 +94,7 @@ std::vector<FreePlane> find_planes(const std::vector<Returns>& sweeps,
   return planes;
 }
 
-/// Asks whether somebody interrupts; nothing may be thrown through the solver.
+/// Checks for interruption; exceptions may not pass through the solver.
 class Asking : public ceres::IterationCallback {
  public:
   [[nodiscard]] bool goes_on() {
@@ -117,7 +117,7 @@ class Asking : public ceres::IterationCallback {
   std::exception_ptr thrown_;
 };
 
-/// An iteration takes as long as a person waits; its residuals ask, too.
+/// Also checks during an iteration, which takes long.
 class AskingPointOnPlane final : public PointOnFreePlane {
  public:
   template <class... Ts>
@@ -165,7 +165,7 @@ class JointProblem {
     options.linear_solver_type = ceres::SPARSE_SCHUR;
     options.max_num_iterations = 8;
     options.function_tolerance = 1e-5;
-    options.num_threads = 1;  // sums in one order
+    options.num_threads = 1;  // fixed summation order
     options.logging_type = ceres::SILENT;
     auto* const ordering = new ceres::ParameterBlockOrdering;
     for (FreePlane& plane : planes_) ordering->AddElementToGroup(plane.change.data(), 0);
@@ -181,8 +181,8 @@ class JointProblem {
     for (std::size_t i = 0; i < path.size(); ++i) path[i].pose = blocks_[i].pose();
   }
 
-  /// Fills in sigma_m and the standard deviations of a step, of the first kMostKnots knots: the inverse of
-  /// the information that is left for poses when every plane has been allowed for.
+  /// Computes sigma_m and the standard deviations of a step for the first kMostKnots knots: the inverse of the
+  /// poses' information after marginalising all planes.
   void measure(RefineReport& report) {
     constexpr std::size_t kMostKnots = 120;
     const auto knots =
@@ -208,7 +208,7 @@ class JointProblem {
     std::vector<Eigen::Matrix3d> planes(planes_.size(), Eigen::Matrix3d::Zero());
     std::vector<std::map<Eigen::Index, Vector3d>> mixed(planes_.size());  // by column of a pose
     for (int row = 0; row < jacobian.num_rows; ++row) {
-      // A robust loss leaves this much of the residual's weight.
+      // Weight of the residual under the robust loss.
       const double share = residuals[static_cast<std::size_t>(row)] * kPointSigma_m / kLoss_m;
       const double weight = 1.0 / ((1.0 + share * share) * sigma * sigma);
       const auto first = static_cast<std::size_t>(jacobian.rows[static_cast<std::size_t>(row)]);
@@ -246,7 +246,7 @@ class JointProblem {
       const Eigen::Matrix<double, 6, 6> step =
           covariance.block<6, 6>(here, here) + covariance.block<6, 6>(before, before) -
           covariance.block<6, 6>(here, before) - covariance.block<6, 6>(before, here);
-      turn += 4.0 * step.topLeftCorner<3, 3>().trace();  // Ceres turns by half-angles
+      turn += 4.0 * step.topLeftCorner<3, 3>().trace();  // Ceres rotates by half-angles
       shift += step.bottomRightCorner<3, 3>().trace();
     }
     const double count = 3.0 * static_cast<double>(std::max<Eigen::Index>(1, knots - 1));

@@ -1,5 +1,5 @@
 #pragma once
-// All poses and all planes at once: what odometry did sweep by sweep is made consistent over the log.
+// Joint optimisation of all poses and planes, which makes odometry globally consistent.
 #include <functional>
 #include <optional>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace simuli::calibration {
 
-/// Poses from elsewhere (GNSS/IMU), of the rig in the same world.
+/// External poses (GNSS/IMU) of the rig in the same world.
 struct PathPrior {
   Trajectory world_from_rig;
   double sigma_m = 0.1;
@@ -17,21 +17,21 @@ struct PathPrior {
 };
 
 struct RefineOptions {
-  std::size_t points_per_sweep = 12000;  // looked up
-  int rounds = 2;                        // of finding planes and solving for them and all poses
+  std::size_t points_per_sweep = 12000;  // matched points
+  int rounds = 2;  // rounds of plane search and joint optimisation
 };
 
 struct RefineReport {
   std::size_t planes = 0;
   std::size_t residuals = 0;
-  double sigma_m = 0.0;  // of a point about its plane, as found
-  /// Standard deviations per axis of the motion between two knots, their mean over the path: m and rad.
+  double sigma_m = 0.0;  // of points about their plane
+  /// Standard deviations per axis of the motion between two knots, averaged over the path: m and rad.
   double step_sigma_m = 0.0;
   double step_sigma_rad = 0.0;
 };
 
-/// The first pose stays, or all follow the prior. Planes are voxels that at least three sweeps see.
-/// Throws Error{kNumeric} when the solver finds nothing to solve or fails.
+/// The first pose is fixed, or all follow the prior. Planes are voxels seen by at least three sweeps. Throws
+/// Error{kNumeric} when there is nothing to solve or the solver fails.
 RefineReport refine_path(const std::vector<Returns>& sweeps,
                          const std::optional<PathPrior>& prior,
                          const RefineOptions& options,

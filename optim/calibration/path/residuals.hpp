@@ -1,7 +1,7 @@
 #pragma once
-// Residuals for Ceres. Those of a few blocks are written once for doubles and Jets (automatic derivatives); those of
-// points on planes, hundreds of thousands in a log, know their derivatives. Included by the sources of this
-// folder, of camera/ and their tests alone.
+// Residuals for Ceres. Those with few blocks are written once for doubles and Jets (automatic derivatives);
+// points on planes, hundreds of thousands in a log, have analytic derivatives. Included by the sources of this
+// folder, of camera/ and their tests.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <array>
@@ -16,11 +16,11 @@
 
 namespace simuli::calibration {
 
-/// Of a return about the plane that it lies on.
+/// Standard deviation of a return from its plane.
 inline constexpr double kPointSigma_m = 0.02;
 
-/// A pose as Ceres changes it: a quaternion (w, x, y, z), then the translation. One block, so that what a solver does
-/// block by block it does for six freedoms at once.
+/// A pose as a Ceres parameter block: a quaternion (w, x, y, z), then the translation. One block, so that block
+/// operations of solvers treat six degrees of freedom at once.
 struct PoseBlock {
   static constexpr int kSize = 7;
   using Manifold = ceres::ProductManifold<ceres::QuaternionManifold, ceres::EuclideanManifold<3>>;
@@ -53,11 +53,10 @@ void relative_rotation(const T* a_from_b, const T* a_from_c, T* b_from_c) {
   ceres::QuaternionToAngleAxis(turn, b_from_c);
 }
 
-/// A point of the rig at share u of the way from one pose to another: slerp and centre lerp, as
-/// host/core/base/pose.hpp.
+/// A point of the rig at share u between two poses: slerp and centre lerp, as in host/core/base/pose.hpp.
 class MovedPoint {
  public:
-  /// `start`, `end`: PoseBlocks' numbers.
+  /// `start`, `end`: numbers of PoseBlocks.
   MovedPoint(const double* start, const double* end, double u, const Eigen::Vector3d& p_rig)
       : start_(PoseBlock::pose_of(start)), end_(PoseBlock::pose_of(end)), u_(u) {
     turn_ = Eigen::AngleAxisd(start_.rotation.conjugate() * end_.rotation);
@@ -66,11 +65,12 @@ class MovedPoint {
   }
   [[nodiscard]] const Eigen::Vector3d& p_world() const { return p_world_; }
 
-  /// Derivatives of (along * p_world) by the numbers of both poses (null: not asked for), on their manifold.
+  /// Derivatives of (along * p_world) by the numbers of both poses (null: not requested), on their manifold.
   ///
-  /// Turn the poses by small a and b about the world's axes: what lies between them turns by a + M (b - a). Across
-  /// the axis of the whole turn t, in the complex plane whose unit turns a quarter about it, M is
-  /// (1 - exp(i u t)) / (1 - exp(i t)) = exp(-i (1 - u) t / 2) sin(u t / 2) / sin(t / 2); along the axis it is u.
+  /// Rotating the poses by small a and b about the world's axes rotates the interpolated pose by a + M (b - a).
+  /// Perpendicular to the axis of the whole rotation t, in the complex plane whose unit is a quarter rotation
+  /// about it, M is (1 - exp(i u t)) / (1 - exp(i t)) = exp(-i (1 - u) t / 2) sin(u t / 2) / sin(t / 2); along
+  /// the axis it is u.
   void differentiate(const Eigen::Vector3d& along, double* by_start, double* by_end) const {
     const Eigen::Vector3d by_turn = arm_.cross(along);
     const Eigen::Vector3d axis = start_.rotation * turn_.axis();
@@ -87,7 +87,7 @@ class MovedPoint {
  private:
   static constexpr double kLeastTurn_rad = 1e-9;
 
-  /// Ceres turns q to (1, d) q: the derivative by q that gives 2 by_turn along each d, and 0 along q.
+  /// Ceres rotates q to (1, d) q: returns the derivative by q that gives 2 by_turn along each d, and 0 along q.
   static void put(const Eigen::Quaterniond& q,
                   const Eigen::Vector3d& by_turn,
                   const Eigen::Vector3d& by_translation,
@@ -103,7 +103,7 @@ class MovedPoint {
   Eigen::Vector3d arm_, p_world_;
 };
 
-/// Distance of a moved point from a plane, over sigma_m.
+/// Distance of an interpolated point from a plane, over sigma_m.
 class PointOnPlane final : public ceres::SizedCostFunction<1, PoseBlock::kSize, PoseBlock::kSize> {
  public:
   PointOnPlane(const Eigen::Vector3d& p_rig,
@@ -122,12 +122,12 @@ class PointOnPlane final : public ceres::SizedCostFunction<1, PoseBlock::kSize, 
 
  private:
   Eigen::Vector3d p_rig_;
-  double u_;  // share of the way between the two poses
+  double u_;  // share between the two poses
   Eigen::Vector3d centre_, weighted_normal_;
 };
 
-/// The same where the plane is unknown too: it is tilted by plane[0], plane[1] (slopes along `first` and
-/// `second`, which with the normal make a frame) and moved by plane[2] m along its normal.
+/// The same with an unknown plane: tilted by plane[0], plane[1] (slopes along `first` and `second`, which form
+/// a frame with the normal) and shifted by plane[2] m along its normal.
 class PointOnFreePlane : public ceres::SizedCostFunction<1, PoseBlock::kSize, PoseBlock::kSize, 3> {
  public:
   PointOnFreePlane(const Eigen::Vector3d& p_rig,
@@ -169,7 +169,7 @@ class PointOnFreePlane : public ceres::SizedCostFunction<1, PoseBlock::kSize, Po
   double sigma_m_;
 };
 
-/// A pose against what is believed of it: rotation vector over sigma_rad, then translation over sigma_m.
+/// A pose relative to its prior: rotation vector over sigma_rad, then translation over sigma_m.
 struct PosePrior {
   PoseBlock believed;
   double sigma_rad;

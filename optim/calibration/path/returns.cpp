@@ -5,7 +5,7 @@
 namespace simuli::calibration {
 namespace {
 
-constexpr double kNearest_m = 2.0;  // nearer is the vehicle itself
+constexpr double kNearest_m = 2.0;  // nearer returns belong to the ego vehicle
 
 }  // namespace
 

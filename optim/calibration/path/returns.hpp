@@ -1,5 +1,5 @@
 #pragma once
-// What calibration takes from a sweep: its returns, each in the rig's frame at its own time.
+// Returns of a sweep for calibration, each in the rig's frame at its own time.
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
@@ -20,8 +20,8 @@ struct Returns {
   [[nodiscard]] std::size_t size() const { return p_rig.size(); }
 };
 
-/// The returns of a sweep in firing grid order, without those of the vehicle itself (nearer than 2 m). With
-/// `reversed` the sensor is taken to spin the other way: a ray at share f of the sweep fires at 1 - f.
+/// Returns the returns of a sweep in firing grid order, without those of the ego vehicle (nearer than 2 m).
+/// With `reversed` the sensor spins the other way: a ray at share f of the sweep fires at 1 - f.
 [[nodiscard]] Returns returns_of(const Log& log, const SweepFrame& frame, bool reversed = false);
 [[nodiscard]] Returns returns_of(
     const Sweep& sweep, const LogLidar& lidar, double time_start_s, double time_end_s, bool reversed = false);

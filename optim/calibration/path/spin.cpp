@@ -10,14 +10,14 @@
 namespace simuli::calibration {
 namespace {
 
-constexpr double kTurnAt_m = 10.0;  // a turn moves what is this far away
+constexpr double kTurnAt_m = 10.0;  // lever arm of rotations
 
 struct Attempt {
-  double median_m = std::numeric_limits<double>::infinity();  // of points from planes
+  double median_m = std::numeric_limits<double>::infinity();  // of points to planes
   double motion_m = 0.0;                                      // mean over the sweeps
 };
 
-/// The path found for one direction; infinitely bad, and why, when there is none.
+/// The trajectory for one direction; infinite distance and the reason on failure.
 Attempt attempt(const std::vector<Returns>& sweeps, const OdometryOptions& options, std::string& reason) {
   Attempt out;
   try {
@@ -41,9 +41,9 @@ Attempt attempt(const std::vector<Returns>& sweeps, const OdometryOptions& optio
 SpinReport find_spin(const std::vector<Returns>& clockwise,
                      const std::vector<Returns>& counter_clockwise,
                      const OdometryOptions& options) {
-  constexpr double kClear = 1.03;  // the wrong way is at least this much worse
-  // The wrong way puts a point off by up to the motion of a sweep: below this it is lost in the thickness of
-  // surfaces and in what a path's knots are off by, millimetres of one and the other.
+  constexpr double kClear = 1.03;  // required ratio of the wrong direction's distance
+  // The wrong direction displaces points by up to the motion during a sweep: smaller motion is hidden by the
+  // thickness of surfaces and by errors of the knots, some millimetres each.
   constexpr double kLeastMotion_m = 0.05;
   SpinReport report;
   const Attempt one = attempt(clockwise, options, report.reason);

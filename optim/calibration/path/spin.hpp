@@ -1,6 +1,6 @@
 #pragma once
-// Which way the LiDAR turns: sweeps of a moving sensor are crooked, and only one way of putting each point
-// where it was at its time makes walls flat again.
+// Finds the spin direction of a LiDAR: sweeps of a moving sensor are distorted, and only the right firing order
+// makes walls flat.
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,12 +12,12 @@ namespace simuli::calibration {
 
 struct SpinReport {
   std::optional<SpinDirection> spin;
-  double clockwise_m = 0.0;          // median distance of points from planes; infinity: no path was found
-  double counter_clockwise_m = 0.0;  // under either direction
-  std::string reason;                // where there is no answer
+  double clockwise_m = 0.0;  // median distance of points to planes; infinity: no trajectory
+  double counter_clockwise_m = 0.0;  // for either direction
+  std::string reason;  // reason without a result
 };
 
-/// The same sweeps with times for either direction; ten or so are enough.
+/// The same sweeps with times for either direction; about ten are sufficient.
 [[nodiscard]] SpinReport find_spin(const std::vector<Returns>& clockwise,
                                    const std::vector<Returns>& counter_clockwise,
                                    const OdometryOptions& options = {});

@@ -26,7 +26,7 @@ void GroundMap::add(const Eigen::Matrix3Xf& points) {
   }
 }
 
-/// Lower quartile of what the sweeps say of each cell, by their returns there.
+/// Lower quartile of the sweeps' heights of each cell, weighted by their returns.
 std::map<GroundMap::Cell, float> GroundMap::lows() {
   std::map<Cell, float> out;
   for (auto& [cell, of_sweeps] : lows_) {
@@ -87,8 +87,8 @@ std::optional<double> GroundMap::height_m(double x, double y) const {
   return sum / weight;
 }
 
-/// A few times: cells without a height, but with one in most of their eight neighbours, get the mean of
-/// those.
+/// Fills cells without height, but with heights in most of their eight neighbours, with the mean of these;
+/// repeated a few times.
 std::map<GroundMap::Cell, float> GroundMap::closed(std::map<Cell, float> heights) {
   constexpr int kTimes = 3, kMost = 5;
   for (int time = 0; time < kTimes; ++time) {

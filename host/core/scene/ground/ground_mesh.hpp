@@ -6,11 +6,11 @@
 
 namespace simuli {
 
-/// The ground of a scene, m from Scene::origin: of the means of the LiDAR set's particles that stand still
-/// and hide at least half of what is behind them.
+/// Returns the ground of a scene, m from Scene::origin, from the means of static LiDAR particles with an
+/// opacity of at least 1/2.
 [[nodiscard]] GroundMap ground_of(const Scene& scene);
 
-/// Of that what hangs together with the path. Empty where nothing is known below the path.
+/// Returns the part connected to the path. Empty where no ground is known below the path.
 [[nodiscard]] TriangleMesh ground_mesh(const GroundMap& ground,
                                        const Scene& scene,
                                        const Trajectory& world_from_rig);

@@ -1,4 +1,4 @@
-// Where a lens's map stops being one to one.
+// Domain in which a lens's map is injective.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,19 +12,19 @@
 namespace simuli {
 namespace {
 
-// Straight behind the camera one direction fills a whole circle of the picture: that far and no further.
+// Straight behind the camera one direction maps to a circle of the picture: the domain ends before.
 constexpr double kLargestAngle_rad = kPi - 1e-5;
-// The pinhole's own limit, z >= 0.1 of the distance (PINHOLE_COS2_MIN of cl/math/camera.h).
+// The pinhole's limit, z >= 0.1 of the distance (PINHOLE_COS2_MIN of cl/math/camera.h).
 const double kPinholeAngle_rad = std::acos(0.1);
 constexpr int kSamples = 1024;    // along a search for a sign change
 constexpr int kDirections = 128;  // around the axis
-constexpr int kFewestSteps = 16;  // between a direction's fold and the furthest one
+constexpr int kFewestSteps = 16;  // between a direction's fold and the farthest one
 constexpr int kBisections = 60;   // to the last bit of an angle
 constexpr double kDomainRounding = 1e-14;
 
-/// First root of f in (0, end], or infinity; f > 0 up to sample `from`. sample(i) is f at end * i / kSamples.
-/// Between samples f may dip below zero and come back: every local minimum of the samples is searched by
-/// golden section, but where f is flat, to rounding: then nearly every sample would be one.
+/// First root of f in (0, end], or infinity; f > 0 up to sample `from`. sample(i) is f at end * i / kSamples. f
+/// may dip below zero between samples: every local minimum of the samples is refined by golden section, except
+/// where f is flat to rounding.
 template <class F, class Sample>
 double first_root(const F& f, const Sample& sample, double end, int from = 0) {
   const auto bisect = [&f](double above, double below) {
@@ -69,8 +69,8 @@ double first_root(const F& f, double end) {
       f, [&](int i) { return f(end * i / kSamples); }, end);
 }
 
-/// Determinant of the distortion's Jacobian at the radius, negative from a pole of the rational part on; and
-/// the distortion there.
+/// Determinant of the distortion's Jacobian at the radius, negative beyond a pole of the rational part; also
+/// returns the distortion.
 double orientation(const double* k,
                    double radius,
                    const Eigen::Vector2d& along,
@@ -85,9 +85,9 @@ double orientation(const double* k, double radius, const Eigen::Vector2d& along)
   return orientation(k, radius, along, &unused);
 }
 
-/// Up to which sample of the radii the fold lies ahead in every direction: there the determinant of the
-/// radial part alone is above all that the tangential and thin-prism terms can take from it. Ends where it
-/// has fallen and rises again, as it may have been lower between two samples.
+/// Last sample of the radii before any direction's fold: up to there the determinant of the radial part exceeds
+/// the largest reduction by tangential and thin-prism terms. Ends where it rises again, because it may have
+/// been lower between samples.
 int samples_before_folds(const double* k, const std::array<double, kSamples + 1>& radius) {
   std::array<double, 12> radial{};
   std::copy_n(k, 12, radial.begin());
@@ -102,7 +102,7 @@ int samples_before_folds(const double* k, const std::array<double, kSamples + 1>
     const double r = radius[static_cast<std::size_t>(i)];
     lens_forward::Distorted d;
     const double determinant = orientation(radial.data(), r, Eigen::Vector2d::UnitX(), &d);
-    // Entries of the radial Jacobian in any direction, and what the others add to an entry.
+    // Entries of the radial Jacobian in any direction, and the largest contribution of the other terms.
     const double entry = std::abs(d.v_y) + std::abs(d.u_x - d.v_y);
     const double added = r * (tangential + 2.0 * prism + 4.0 * r * r * prism4);
     if (!(determinant > added * (4.0 * entry + 2.0 * added))) break;
@@ -114,14 +114,14 @@ int samples_before_folds(const double* k, const std::array<double, kSamples + 1>
   return sure;
 }
 
-/// The squared radius up to which a point with a positive determinant is before the fold. radius_of: the
-/// radius at a parameter that runs from 0 to `end`, increasing.
+/// Largest squared radius before the fold for points with a positive determinant. radius_of: increasing radius
+/// by a parameter from 0 to `end`.
 template <class Radius>
 double largest_radius2(const double* k, const Radius& radius_of, double end) {
   const bool symmetric =
       std::all_of(k + 8, k + 12, [](double s) { return s == 0.0; }) && k[2] == 0.0 && k[3] == 0.0;
   const int directions = symmetric ? 1 : kDirections;
-  // Looking for the fold is what making a lens costs: all directions share what they can.
+  // Searching the fold dominates the cost of making a lens: directions share samples.
   std::array<double, kSamples + 1> radius{};
   for (int i = 0; i <= kSamples; ++i) radius[static_cast<std::size_t>(i)] = radius_of(end * i / kSamples);
   const int sure = symmetric ? 0 : samples_before_folds(k, radius);
@@ -140,8 +140,8 @@ double largest_radius2(const double* k, const Radius& radius_of, double end) {
     first = std::min(first, fold[at]);
     last = std::max(last, fold[at]);
   }
-  // Between its own fold and the furthest one every direction must stay reversed, or points there would be
-  // accepted for a second time. Lenses that wind like this are cut at the nearest fold instead.
+  // Between its own fold and the farthest one every direction must stay reversed, or points there would be
+  // accepted again. Other lenses are cut at the nearest fold.
   for (int i = 0; i < directions; ++i) {
     const auto at = static_cast<std::size_t>(i);
     const double own = fold[at];
@@ -186,8 +186,8 @@ void Lens::find_domain(double max_angle_rad) {
     }
     case LensKind::kFthetaInverse: {
       const double* const b = k.polynomial;
-      // Eight times the radius at which the first coefficient alone reaches the largest angle: no lens
-      // compresses its edge more than that.
+      // Eight times the radius at which the linear coefficient alone reaches the largest angle: an upper bound
+      // for real lenses.
       const double end = 8.0 * largest / b[0];
       const double fold =
           std::min(end, first_root([b](double r) { return lens_forward::polynomial5_slope(b, r); }, end));
@@ -199,7 +199,7 @@ void Lens::find_domain(double max_angle_rad) {
     }
     case LensKind::kMei: {
       const double xi = k.xi;
-      // The mirror's map ends where its ray is tangent (xi > 1) or runs parallel to the plane.
+      // The mirror's map ends where its ray is tangent (xi > 1) or parallel to the plane.
       const double mirror = std::acos(-(xi > 1.0 ? 1.0 / xi : xi));
       const double end = std::min(largest, mirror - 1e-5);
       k.cos_min = std::cos(end);

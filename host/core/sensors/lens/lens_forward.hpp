@@ -1,6 +1,5 @@
 #pragma once
-// cl/math/camera.h compiled for the host: F is a double, a mask is an int. Only the lens's own sources
-// include this.
+// cl/math/camera.h compiled for the host: F is a double, a mask is an int. Included only by sources of lenses.
 #include <cmath>
 
 #include "cl/shared/sensor_constants.h"

@@ -1,5 +1,5 @@
-// From image coordinates back to directions. Nothing here decides validity: Lens::unproject projects the
-// result again and rejects what does not come back.
+// Inverse projection. Validity is decided by Lens::unproject, which projects the result again and rejects
+// mismatches.
 #include <algorithm>
 #include <cmath>
 
@@ -17,13 +17,13 @@ using lens_forward::Distorted;
 constexpr int kRadialSteps = 100;  // of a bracketed Newton iteration: bisection alone needs 53
 constexpr int kNewtonSteps = 100;
 constexpr int kHalvings = 40;
-// An error that rounding alone leaves, relative to the image's radius.
+// Rounding error relative to the image's radius.
 constexpr double kRoundingOfOne = 4e-16;
-constexpr double kNear = 1e-3;  // where the plane's iteration takes over from the radius's, quadratically
+constexpr double kNear = 1e-3;  // switches from the radial iteration to the quadratically convergent one in the plane
 
-/// t in [0, end] with f(t) = value for an increasing f; f(t) returns value and slope. Newton's steps inside a
-/// bracket, halves where they lead out; `end` when even f(end) is too small. Ends at a relative error of
-/// `tolerance` or when t can't move any more.
+/// Solves f(t) = value for t in [0, end] with an increasing f that returns value and slope. Newton steps within
+/// a bracket, bisection otherwise; `end` when f(end) is too small. Ends at a relative error of `tolerance` or
+/// when t does not change.
 template <class F>
 double solve_increasing(F&& f, double value, double start, double end, double tolerance) {
   double low = 0.0, high = end;
@@ -42,8 +42,8 @@ double solve_increasing(F&& f, double value, double start, double end, double to
   return t;
 }
 
-/// Undistorted coordinates: along the direction first, then in the plane with steps that are halved until
-/// they come closer, so that the iteration converges up to the fold itself.
+/// Undistorts coordinates: first along the direction, then in the plane with steps that are halved until they
+/// improve, so that the iteration converges up to the fold.
 Vector2d undistort(const double* k, const Vector2d& image, double radius2_max) {
   const double rho = image.norm();
   if (!(rho > 0.0)) return image;

@@ -1,6 +1,5 @@
-// cl/math/camera.h compiled for the host, in the namespace of whoever includes this: the text that the device runs,
-// with the numbers F that are declared there (and `real`, masks I, atan2_lanes()). Sources of lenses alone include
-// it, each once; the vocabulary ends with the file. camera.h guards itself: one of these per source.
+// cl/math/camera.h compiled for the host in the including namespace, which declares the number type F (and
+// `real`, masks I, atan2_lanes()). Included once by each source of lenses; the definitions end with the file.
 #define FN inline
 #define R(x) x
 #define REALS const F*

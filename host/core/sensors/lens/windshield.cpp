@@ -1,4 +1,4 @@
-// Lenses behind a windshield: where its map is one to one, and the way back.
+// Lenses behind a windshield: the domain in which the map is injective, and the inverse.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,15 +16,15 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLargestTerm = 1e3;        // of a coefficient: real ones are below 2
-constexpr double kSmallestCone_rad = 0.01;  // no glass is for less
+constexpr double kLargestTerm = 1e3;  // limit of coefficients; real ones are below 2
+constexpr double kSmallestCone_rad = 0.01;  // smallest accepted cone
 constexpr double kBendStep_rad = 0.25 * kPi / 180.0;
-constexpr double kReach_rad = 89.0 * kPi / 180.0;  // asin() tells no more than what is in front
+constexpr double kReach_rad = 89.0 * kPi / 180.0;  // asin() is only defined for the front
 constexpr int kBendDirections = 72;
 constexpr int kUnbendSteps = 50;
 constexpr double kUnbendMiss_rad = 1e-12;
 
-/// Coefficients of a polynomial of any degree as those of degree 5.
+/// Extends the coefficients of a polynomial of any degree to degree 5.
 void fill(const std::vector<double>& from, double* to, const std::string& file, const char* name) {
   constexpr std::array<std::size_t, 6> kCounts{1, 3, 6, 10, 15, 21};
   const auto found = std::find(kCounts.begin(), kCounts.end(), from.size());
@@ -97,7 +97,7 @@ void Lens::find_bent_domain(const std::string& file) {
   auto& c = *constants_;
   c.bend_cos_min = std::cos(kReach_rad);
   const bool is_backward = c.bend == SIM_BEND_BACKWARD;
-  /// Whether a ray gets through, keeps the orientation there, and is found again.
+  /// Whether a ray passes, preserves orientation, and is inverted correctly.
   const auto is_regular = [&](const Vector3d& direction) {
     Vector3d bent;
     if (!bend(direction, bent)) return false;

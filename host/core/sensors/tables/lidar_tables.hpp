@@ -1,5 +1,5 @@
 #pragma once
-// The built-in beam tables as they stand in lidar_tables_*.cpp; lidar_library.cpp turns them into models.
+// The built-in beam tables of lidar_tables_*.cpp; lidar_library.cpp converts them to models.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -11,29 +11,30 @@
 
 namespace simuli {
 
-/// Rows `first` to `last` fire in one of `every` columns each, groups of `group` rows in turns.
+/// Rows `first` to `last` fire in one of `every` columns each, alternating in groups of `group` rows.
 struct SlowRows {
   int first = 0, last = 0, every = 1, group = 1;
 };
 
-/// Angles in microradians, lever arms in 0.1 mm, times in ns: integers, because that is what is known.
-/// An empty list stands for zeros; the others have one value per beam, top beam first.
+/// Angles in microradians, lever arms in 0.1 mm, times in ns: integers, as published. An empty list means
+/// zeros; the others have one value per beam, top beam first.
 struct LidarTable {
   static constexpr std::int32_t kFromBehind = std::numeric_limits<std::int32_t>::min();
 
   const char* name = "";
   std::span<const std::int32_t> elevation_urad{};
   std::span<const std::int32_t> azimuth_offset_urad{};  // positive to the left
-  // Both across the beam: a vertical offset tilts with the elevation, a horizontal one points to the left.
+  // Both are perpendicular to the beam: a vertical offset tilts with the elevation, a horizontal one points to
+  // the left.
   std::span<const std::int32_t> vertical_offset_100um{};
   std::span<const std::int32_t> horizontal_offset_100um{};
   std::span<const std::int32_t> time_offset_ns{};
-  std::int32_t beam_origin_um = 0;  // the beams start on a circle of this radius that turns with the head
+  std::int32_t beam_origin_um = 0;  // radius of the circle of beam origins, which rotates with the head
   std::int32_t height_um = 0;       // of the beams' common plane above the sensor frame
   std::span<const LidarMode> modes{};
-  std::span<const SlowRows> slow{};               // others fire in each column
+  std::span<const SlowRows> slow{};  // other rows fire in each column
   std::int32_t azimuth_first_urad = kFromBehind;  // kFromBehind: half a column after the back
-  std::int32_t azimuth_span_urad = 0;             // 0: a full turn
+  std::int32_t azimuth_span_urad = 0;  // 0: a full revolution
   double range_min_m = 0.0;
   double range_max_m = 0.0;
   std::int32_t divergence_horizontal_urad = 0;  // 0: unknown
@@ -44,14 +45,14 @@ struct LidarTable {
   const char* note = "";
 };
 
-/// One value after the other.
+/// Concatenates values.
 template <std::size_t N>
 constexpr std::array<std::int32_t, N> in_steps(std::int32_t first, std::int32_t step) {
   std::array<std::int32_t, N> values{};
   for (std::size_t i = 0; i < N; ++i) values[i] = first + static_cast<std::int32_t>(i) * step;
   return values;
 }
-/// Angles from a first one downwards, at steps.
+/// Angles from a first one downwards, in steps.
 template <std::size_t N>
 constexpr std::array<std::int32_t, N> in_steps_deg(double first_deg, double step_deg) {
   std::array<std::int32_t, N> values{};
@@ -61,7 +62,7 @@ constexpr std::array<std::int32_t, N> in_steps_deg(double first_deg, double step
   }
   return values;
 }
-/// The same values over and over.
+/// Repeats the values.
 template <std::size_t N, std::size_t M>
 constexpr std::array<std::int32_t, N> repeated(const std::array<std::int32_t, M>& values) {
   std::array<std::int32_t, N> all{};

@@ -1,5 +1,5 @@
-// Beam tables of Hesai LiDARs: angles in microradians, lever arms in 0.1 mm, times in ns, top beam first.
-// Sources and licences are named beside each sensor at the end of the file.
+// Beam tables of Hesai LiDARs: angles in microradians, lever arms in 0.1 mm, times in ns, top beam first. The
+// end of the file names sources and licences.
 #include "host/core/sensors/tables/lidar_tables.hpp"
 
 namespace simuli {
@@ -169,7 +169,7 @@ constexpr std::int32_t kHesaiXt32m2xAzimuthOffset[] = {
     -2527, -2513};
 constexpr auto kHesaiXt32m2xTimeOffset = repeated<32>(in_steps<16>(6000, 2888));
 
-// As the clouds of one sensor each are spaced that tier4/nebula has (Apache-2.0).
+// From the spacing of sample clouds in tier4/nebula (Apache-2.0).
 constexpr SlowRows kHesaiOt128Slow[] = {{0, 23, 2, 4}, {88, 127, 2, 4}};
 constexpr SlowRows kHesaiQt128Slow[] = {{64, 127, 2, 32}};
 

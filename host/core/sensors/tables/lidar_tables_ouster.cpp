@@ -1,5 +1,5 @@
-// Beam tables of Ouster LiDARs: angles in microradians, lever arms in 0.1 mm, times in ns, top beam first.
-// Sources and licences are named beside each sensor at the end of the file.
+// Beam tables of Ouster LiDARs: angles in microradians, lever arms in 0.1 mm, times in ns, top beam first. The
+// end of the file names sources and licences.
 #include "host/core/sensors/tables/lidar_tables.hpp"
 
 namespace simuli {
