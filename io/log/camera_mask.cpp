@@ -37,7 +37,7 @@ void CameraMask::add(const CameraMask& other) {
   });
 }
 
-/// Masks of whole photographs lie beside pictures made smaller.
+/// A mask in the size of the original photograph may accompany pictures that were made smaller.
 static constexpr double kLargestMaskScale = 16.0;
 
 CameraMask read_camera_mask(const std::filesystem::path& file, const Camera& camera) {

@@ -1,5 +1,5 @@
 #pragma once
-// What in a camera's pictures is never the scene: the vehicle's own hood and mirrors, a frame, dirt on the
+// Masks of the pixels in which a camera never sees the scene: the ego vehicle's hood and mirrors, a frame, dirt on the
 // glass.
 #include <cstdint>
 #include <filesystem>
@@ -10,27 +10,27 @@
 
 namespace simuli {
 
-/// Of all of a camera's pictures.
+/// The hidden pixels of all pictures of one camera.
 struct CameraMask {
-  int width = 0, height = 0;         // the camera's
-  std::vector<std::uint8_t> hidden;  // [height][width], 1: not the scene
+  int width = 0, height = 0;         // as of the camera
+  std::vector<std::uint8_t> hidden;  // [height][width], 1: hidden, 0: the scene
 
-  /// Whether anything hidden is in pixel (x, y) of a picture of that size, at most the camera's.
+  /// Whether pixel (x, y) of a picture of that size, which is at most the camera's, covers a hidden pixel.
   [[nodiscard]] bool hides(int x, int y, int picture_width, int picture_height) const;
-  /// Of all pixels, 0 to 1.
+  /// The share of hidden pixels, 0 to 1.
   [[nodiscard]] double hidden_share() const;
-  /// Takes what another one of the same camera hides.
+  /// Hides the pixels of another mask of the same camera as well.
   void add(const CameraMask& other);
 };
 
-/// What is not 0 in a picture's first channel is hidden. A mask smaller or larger than the camera's pictures
-/// is scaled (nearest). Error{kInput} for another shape than the camera's, by more than a pixel, for one
-/// that hides everything, and for what is no picture.
+/// Reads a mask from a picture whose first channel is not 0 in hidden pixels. A mask smaller or larger than the
+/// camera's pictures is scaled (nearest pixel). Error{kInput} for an aspect ratio that is off by more than a pixel, for
+/// a mask that hides everything, and for a file that is no picture.
 [[nodiscard]] CameraMask read_camera_mask(const std::filesystem::path& file, const Camera& camera);
 
-/// What pictures hold in all channels where nothing is known of the scene: losses and scores leave it out.
+/// The value of all channels in hidden pixels; losses and scores leave these pixels out.
 inline constexpr float kHiddenValue = -1.0F;
-/// Marks the hidden pixels of a picture of any size up to the camera's.
+/// Sets the hidden pixels of a picture of any size up to the camera's to kHiddenValue.
 void hide(const CameraMask& mask, Image& picture);
 
 }  // namespace simuli

@@ -9,7 +9,7 @@
 namespace simuli {
 namespace {
 
-// Frames of a sensor are alike: one being used, one being read and what evens out their times.
+// Frames to read ahead: one in use, one being read, and two that even out the reading times.
 constexpr std::size_t kAhead = 4;
 
 std::size_t bytes_of(const FrameFiles::Frame& frame) {
@@ -32,7 +32,7 @@ std::shared_ptr<const FrameFiles::Frame> FrameFiles::keep(const std::string& key
 }
 
 std::shared_ptr<const FrameFiles::Frame> FrameFiles::get(const Wish& wish) {
-  Interruption::ask();  // whole drives are read between two kernels
+  Interruption::ask();  // a whole drive may be read without a kernel in between
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return under_way_ != wish.key; });
   if (auto kept = kept_.find(wish.key)) return kept;
@@ -52,7 +52,7 @@ void FrameFiles::expect(std::vector<Wish> wishes) {
   const std::lock_guard lock(mutex_);
   std::reverse(wishes.begin(), wishes.end());
   wishes_ = std::move(wishes);
-  for (auto& [key, frame] : ahead_) keep(key, std::move(frame));  // whoever wants them finds them there
+  for (auto& [key, frame] : ahead_) keep(key, std::move(frame));  // get() finds them in kept_
   ahead_.clear();
   if (!wishes_.empty() && !reader_.joinable()) {
     reader_ = std::jthread([this](const std::stop_token& stop) { read_ahead(stop); });
@@ -71,7 +71,7 @@ void FrameFiles::read_ahead(const std::stop_token& stop) {
     std::optional<Frame> frame;
     try {
       frame = wish.read();
-    } catch (...) {  // get() reads it again, and its caller is told
+    } catch (...) {  // get() reads it again and throws to its caller
     }
     lock.lock();
     under_way_.clear();

@@ -1,5 +1,5 @@
 #pragma once
-// The frames of a log as their files decode: each is kept once read, and read ahead of its use by a thread.
+// A cache of decoded frames of a log, with a thread that reads them ahead of their use.
 #include <condition_variable>
 #include <cstddef>
 #include <functional>
@@ -16,29 +16,29 @@
 
 namespace simuli {
 
-/// Shared by a log and what was cut out of it. From any threads.
+/// Caches frames for a log and for the logs cut out of it. Thread-safe.
 class FrameFiles {
  public:
   using Frame = std::variant<Image, Sweep>;
-  /// What a file's frame is known by, and how it is read.
+  /// A request for a frame: its key in the cache and the function that reads it.
   struct Wish {
     std::string key;
     std::function<Frame()> read;
   };
 
-  /// Keeps up to so many bytes, those asked for last, and a few more frames that were read ahead.
+  /// Keeps the most recently requested frames, up to `budget_bytes`, and a few more that were read ahead.
   explicit FrameFiles(std::size_t budget_bytes);
   ~FrameFiles();
   FrameFiles(const FrameFiles&) = delete;
   FrameFiles& operator=(const FrameFiles&) = delete;
 
-  /// As wish.read() gives it, now or before. Its exceptions are the caller's.
+  /// Returns the frame that wish.read() returns, from the cache if possible. Passes on its exceptions.
   [[nodiscard]] std::shared_ptr<const Frame> get(const Wish& wish);
-  /// These are asked for next, in this order: what is not kept is read meanwhile. Replaces what was expected
-  /// before. A frame that can't be read is left to get().
+  /// Announces the next requests in their order, so that missing frames are read meanwhile. Replaces earlier
+  /// announcements. Read errors are left to get().
   void expect(std::vector<Wish> wishes);
 
-  /// Frames read so far.
+  /// Number of frames read so far.
   [[nodiscard]] std::size_t reads() const;
   [[nodiscard]] std::size_t kept_bytes() const;
 
@@ -49,18 +49,18 @@ class FrameFiles {
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   LruCache<Frame, std::string> kept_;
-  std::vector<Wish> wishes_;            // the next one last
-  std::map<std::string, Frame> ahead_;  // read and not asked for yet
-  std::string under_way_;               // by the thread; empty: none
+  std::vector<Wish> wishes_;            // the next request last
+  std::map<std::string, Frame> ahead_;  // read, not requested yet
+  std::string under_way_;               // key of the frame that the thread reads; empty: none
   std::size_t reads_ = 0;
-  std::jthread reader_;  // from the first expect() on; ends before all else here
+  std::jthread reader_;  // started by expect(); joined before the other members are destroyed
 };
 
-/// Log::files's, where there are any, for this log's frames; else each is read when it is asked for.
+/// Reads a sweep through the cache Log::files, or from its file if the log has no cache.
 [[nodiscard]] Sweep read_sweep(const Log& log, const SweepFrame& frame, const LidarModel& lidar);
 [[nodiscard]] Sweep read_sweep(const Log& log, const SweepFrame& frame);
 [[nodiscard]] FrameFiles::Wish wish_of(const Log& log, const SweepFrame& frame);
-/// Says that these are read next, in this order.
+/// Announces to the cache that these frames are read next, in this order.
 void expect(const Log& log, const std::vector<const SweepFrame*>& frames);
 
 }  // namespace simuli

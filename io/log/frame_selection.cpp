@@ -11,7 +11,7 @@
 namespace simuli {
 namespace {
 
-/// The poses from the first frame of a log to its last.
+/// Returns the poses from the first frame of a log to its last.
 std::vector<TimedPose> path_of_frames(const Log& log) {
   double start_s = std::numeric_limits<double>::infinity(), end_s = -start_s;
   const auto reach = [&](const auto& frames) {
@@ -36,7 +36,7 @@ double step_m(const TimedPose& from, const TimedPose& to) {
   return (to.pose.translation - from.pose.translation).norm();
 }
 
-/// When the rig has that share of the path behind it; `key` asks for it.
+/// Returns the time at which the rig has driven `share` of its path; `key` is the setting to name in errors.
 double time_at(const Log& log, const char* key, double share) {
   const std::vector<TimedPose> path = path_of_frames(log);
   double length_m = 0.0;

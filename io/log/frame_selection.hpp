@@ -1,6 +1,6 @@
 #pragma once
-// Which frames of a log a scene is made from, and at which size: the same for its start, its training and,
-// unless asked otherwise, its evaluation.
+// The choice of a log's frames for training and their image scale. Initialisation, training and, by default, evaluation
+// share it.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -19,13 +19,13 @@ struct FrameSelection {
   int held_out_every = 5;
   double held_out_middle = 0.0;
   double held_out_last = 0.0;
-  std::vector<std::string> held_out_sensors = {};  // cameras and LiDARs of which all frames are held out
-  std::uint64_t seed = 1;  // of the frames' order, and of which points go when there are too many
+  std::vector<std::string> held_out_sensors = {};  // cameras and LiDARs whose frames are all held out
+  std::uint64_t seed = 1;  // of the order of the frames and of the thinning of points
   bool counts_by_sensor =
-      true;  // false: as versions did of which a scene does not say it (training_json.hpp)
+      true;  // false: numbers as in older scenes, whose files lack this field (training_json.hpp)
 };
 
-/// The keys that users set, with what is allowed and what it means (host/core/base/fields.hpp).
+/// Visits the settings with their allowed values and descriptions (host/core/base/fields.hpp).
 template <class F>
 constexpr void visit_fields(FrameSelection& o, F&& field) {
   field.group("Data");
@@ -55,34 +55,34 @@ constexpr void visit_fields(FrameSelection& o, F&& field) {
   field.internal(o.counts_by_sensor);
 }
 
-/// "every 5. frame, the last 20 % of the path": what is held out; empty: nothing.
+/// Describes the held-out frames, as in "every 5. frame, the last 20 % of the path"; empty if there are none.
 [[nodiscard]] std::string held_out_text(const FrameSelection& frames);
 
-/// The same selection, but that every frame is trained on.
+/// Returns the selection with no frame held out.
 [[nodiscard]] FrameSelection nothing_held_out(FrameSelection frames);
 
-/// What a frame is to a training.
+/// The use of a frame: for training, or the reason why it is held out.
 enum class FrameUse {
   kTraining,
-  kBetween,  // held out, training frames before and behind: what a scene makes of what it saw
-  kMiddle,   // held out in a chunk of the path that training saw from either end alone
-  kBeyond,   // held out at the end of the path, where training read nothing: what it makes of the rest
-  kSensor,   // of a camera or LiDAR that is held out whole
+  kBetween,  // held out between training frames: interpolation
+  kMiddle,   // held out in a part of the path that has training frames only before and after it
+  kBeyond,   // held out at the end of the path, after all training frames: extrapolation
+  kSensor,   // held out because all frames of its camera or LiDAR are
 };
 
-/// The one rule by which frames of a log are held out. Whole sensors, with held_out_sensors. With
-/// held_out_every = N the last of every N moments of the rig (rig_moments.hpp): every N-th frame of each camera
-/// and LiDAR, those of one moment together. With held_out_last the frames that end when the rig has that share
-/// of its path, by length, still before it, or later; with held_out_middle those during which it is in the part
-/// of that share around the path's middle. Together they hold out what any does; a frame of a sensor that is held
-/// out is kSensor, one behind the cut kBeyond and one in the middle kMiddle whatever its moment.
+/// Decides which frames of a log are held out. A frame is held out if one of these rules applies, the first of which
+/// determines its FrameUse:
+/// - held_out_sensors: all frames of these cameras and LiDARs (kSensor).
+/// - held_out_last: frames that end within the last share of the path by length (kBeyond).
+/// - held_out_middle: frames that overlap this share of the path around its middle (kMiddle).
+/// - held_out_every = N: the last of every N moments of the rig (rig_moments.hpp), that is every N-th frame of each
+///   camera and LiDAR, where frames of one moment are held out together (kBetween).
 class HeldOutRule {
  public:
-  /// Error{kInput} when a share of a path is asked for that is 0 m long, Error{kUsage} for a sensor that the
-  /// log does not have.
+  /// Error{kInput} for a share of a path that is 0 m long, Error{kUsage} for a sensor that the log lacks.
   HeldOutRule(const Log& log, const FrameSelection& frames);
 
-  /// Of the frame at `index` among the log's pictures or its sweeps.
+  /// Returns the use of the frame at `index` among the log's pictures or its sweeps.
   template <class Frame>
   [[nodiscard]] FrameUse use(std::size_t index, const Frame& frame) const {
     if (sensors_.contains(sensor_of(frame))) return FrameUse::kSensor;
@@ -92,7 +92,7 @@ class HeldOutRule {
     const std::size_t moment = counts_by_sensor_ ? moments_of(frame)[index] : index;
     return moment % every_ == every_ - 1 ? FrameUse::kBetween : FrameUse::kTraining;
   }
-  /// Indices of the frames that training reads, and of all others.
+  /// Indices of the training frames and of the held-out frames.
   template <class Frame>
   [[nodiscard]] std::vector<std::size_t> training(const std::vector<Frame>& frames) const {
     return select(frames, true);
@@ -123,21 +123,22 @@ class HeldOutRule {
 
   std::size_t every_;
   bool counts_by_sensor_;
-  std::vector<std::size_t> images_, sweeps_;  // of which moment they are
+  std::vector<std::size_t> images_, sweeps_;  // number of the moment of each frame
   std::set<std::string> sensors_;             // held out
   double cut_s_ = std::numeric_limits<double>::infinity();
-  std::array<double, 2> middle_s_{cut_s_, cut_s_};  // from, until
+  std::array<double, 2> middle_s_{cut_s_, cut_s_};  // start and end
 };
 
-/// What becomes of the frames of one camera or LiDAR.
+/// Numbers of training and held-out frames of one camera or LiDAR.
 struct SensorUse {
   std::string sensor;
   std::size_t training = 0, held_out = 0;  // frames
 };
-/// Of each of the log's cameras, then its LiDARs.
+/// Returns the numbers for each of the log's cameras, then for its LiDARs.
 [[nodiscard]] std::vector<SensorUse> sensor_uses(const Log& log, const HeldOutRule& rule);
 
-/// The names of a log's cameras and LiDARs but these. Error{kUsage} naming `key` for one that the log doesn't have.
+/// Returns the names of the log's cameras and LiDARs that are not in `sensors`. Error{kUsage} naming `key` for a sensor
+/// that the log lacks.
 [[nodiscard]] std::vector<std::string> other_sensors(const Log& log,
                                                      const std::vector<std::string>& sensors,
                                                      const std::string& key);

@@ -1,5 +1,5 @@
 #pragma once
-// When the frames of a drive were recorded.
+// Recording times of the frames of a drive.
 #include <map>
 #include <string>
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace simuli {
 
-/// Of one frame, from its first to its last ray: seconds of the log.
+/// The times of a frame's first and last ray, in seconds of the log.
 struct FrameSpan {
   double time_start_s = 0.0;
   double time_end_s = 0.0;
 };
-/// Of each sensor's frames, by its name; by time.
+/// The spans of each sensor's frames in time order, by sensor name.
 using FrameSpans = std::map<std::string, std::vector<FrameSpan>>;
 
-/// Sensors without frames are left out.
+/// Returns the spans of a log's frames; sensors without frames are left out.
 [[nodiscard]] FrameSpans frame_spans(const Log& log);
 
 }  // namespace simuli

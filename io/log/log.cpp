@@ -43,7 +43,7 @@ const Sensor& find_sensor(const std::vector<Sensor>& sensors,
       (log.folder / "log.json").string(), field, '"' + name + '"', known.empty() ? "none" : known);
 }
 
-/// A recorded file inside the log folder; refuses names that lead out of it and files that are not there.
+/// Reads the name of a file in the log folder. Error{kInput} for a path out of the folder and for a missing file.
 std::string read_file_name(JsonObject& object, const fs::path& folder, const char* key = "file") {
   std::string name = object.text(key);
   const fs::path path = inside(folder, name, object.file(), object.field(key));
@@ -55,7 +55,7 @@ std::string read_file_name(JsonObject& object, const fs::path& folder, const cha
   return name;
 }
 
-/// The times and the file of an image or a sweep; `Frame` is either.
+/// Reads the times and the file name of a picture or a sweep.
 template <class Frame>
 void read_frame(JsonObject& object, const Log& log, Frame& frame) {
   frame.file = read_file_name(object, log.folder);
@@ -84,15 +84,15 @@ Json frame_to_json(const Frame& frame,
   return json;
 }
 
-/// Whose turns the sweeps tell of.
+/// Whether the log has sweeps of the LiDAR, whose durations determine its revolution.
 bool has_sweeps(const Log& log, const LidarModel& lidar) {
   return std::any_of(log.sweeps.begin(), log.sweeps.end(), [&](const SweepFrame& frame) {
     return frame.lidar == name_of(lidar);
   });
 }
 
-/// A LiDAR's turn takes what its recorded sweeps take: their median, as drives differ from their sensor's
-/// nominal rate.
+/// Sets each LiDAR's revolution to the median duration of its recorded sweeps: spin rates in drives differ from the
+/// sensor's nominal rate.
 void set_sweep_durations(Log& log) {
   for (LogLidar& lidar : log.lidars) {
     std::vector<std::int64_t> durations_ns;
@@ -107,7 +107,7 @@ void set_sweep_durations(Log& log) {
   }
 }
 
-/// log.json as text.
+/// Returns the text of log.json.
 std::string text_of(const Log& log) {
   try {
     return to_json(log).dump(1) + '\n';
@@ -205,7 +205,7 @@ Json to_json(const Log& log) {
   std::vector<LogLidar> lidars = log.lidars;
   for (LogLidar& lidar : lidars) {
     if (!has_sweeps(log, lidar.model)) continue;
-    std::visit([](auto& model) { model.sweep_s = kUsualSweep_s; }, lidar.model);  // left out
+    std::visit([](auto& model) { model.sweep_s = kUsualSweep_s; }, lidar.model);  // the default is not written
   }
   add_sensors(root, log.cameras, lidars);
   root["world_from_rig"] = to_json(log.world_from_rig, log.start_ns);
@@ -267,7 +267,7 @@ Log on_path(Log log, const Trajectory& world_from_rig) {
 std::string log_hash(const Log& log) {
   std::string text = text_of(log);
   const auto add_size = [&](const std::string& file) {
-    std::error_code absent;  // as if it were empty: whoever reads it says so
+    std::error_code absent;  // counts as empty; reading the frame reports the error
     const std::uintmax_t bytes = fs::file_size(log.folder / file, absent);
     text += fmt::format("{}\n", absent ? 0 : bytes);
   };

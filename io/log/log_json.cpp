@@ -127,7 +127,7 @@ namespace {
 
 constexpr double kMicrometre = 1e-6;
 
-/// Knots are rows of whole micrometres: a number per line would be ten times the track.
+/// Knots are written as text rows of whole micrometres: one number per line would take ten times the space of the track.
 Json to_json(const Deformation& shape, std::int64_t start_ns, const std::string& name) {
   const std::size_t row = 3 * shape.node_count();
   Json knots = Json::array();

@@ -1,7 +1,7 @@
 #pragma once
-// Sensors, poses and trajectories as JSON, shared by log.json and scene.json. Units stand in the key
-// names; times on disk are int64 nanoseconds. Readers throw Error{kInput} as io/base/json_reader.hpp says,
-// and check values with validate().
+// Sensors, poses and trajectories as JSON, shared by log.json and scene.json. Key names contain the units; times on disk
+// are int64 nanoseconds. Readers throw Error{kInput} as described in io/base/json_reader.hpp and check values with
+// validate().
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -45,11 +45,11 @@ void read_sensors(JsonObject& object, std::vector<LogCamera>& cameras, std::vect
                                                   const std::string& key,
                                                   std::int64_t start_ns);
 
-/// {"time_start_ns", "time_end_ns"}, times as those of a trajectory; `field` is for messages.
+/// {"time_start_ns", "time_end_ns"}, times as those of a trajectory; errors name `field`.
 [[nodiscard]] Json to_json(const FrameSpan& span, std::int64_t start_ns, const std::string& field);
 [[nodiscard]] FrameSpan frame_span_from_json(JsonObject& object, std::int64_t start_ns);
-/// Error{kInput} naming the first of `field`'s frames, which have a time_start_s, that is before the one
-/// above.
+/// Throws Error{kInput} naming the first frame of the array `field` whose time_start_s is before that of its
+/// predecessor.
 template <class Frame>
 void need_time_order(const std::vector<Frame>& frames, const std::string& file, const std::string& field) {
   for (std::size_t i = 1; i < frames.size(); ++i) {
@@ -61,11 +61,11 @@ void need_time_order(const std::vector<Frame>& frames, const std::string& file, 
   }
 }
 
-/// A whole log.json, whose files stand in `folder`.
+/// A whole log.json, whose file names are relative to `folder`.
 [[nodiscard]] Json to_json(const Log& log);
 [[nodiscard]] Log log_from_json(JsonObject& root, const std::filesystem::path& folder);
 
-/// Seconds since start_ns <-> nanoseconds on disk. Error{kInput} naming `field` beyond 120 years.
+/// Convert seconds since start_ns to nanoseconds on disk and back. Error{kInput} naming `field` beyond 120 years.
 [[nodiscard]] std::int64_t to_ns(double time_s, std::int64_t start_ns, const std::string& field);
 [[nodiscard]] double read_time_s(JsonObject& object, const std::string& key, std::int64_t start_ns);
 /// An absolute time: int64 nanoseconds, 1843 to 2096.

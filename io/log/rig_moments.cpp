@@ -15,11 +15,11 @@ namespace {
 
 /// The frames of one camera or LiDAR.
 struct SensorFrames {
-  std::vector<double> times_s;              // of their middles, ascending
-  std::vector<std::size_t> places;          // among the log's
-  std::vector<std::size_t>* out = nullptr;  // where the numbers go
+  std::vector<double> times_s;              // middles of the frames, ascending
+  std::vector<std::size_t> indices;         // of the frames in the log
+  std::vector<std::size_t>* out = nullptr;  // receives the moments' numbers
 
-  /// Median time between frames; 0 of one frame.
+  /// Median time between frames; 0 for a single frame.
   [[nodiscard]] double period_s() const {
     std::vector<double> steps;
     for (std::size_t i = 1; i < times_s.size(); ++i) steps.push_back(times_s[i] - times_s[i - 1]);
@@ -41,14 +41,14 @@ void add_frames(const std::vector<Frame>& frames,
     std::stable_sort(timed.begin(), timed.end());
     SensorFrames& own = sensors.emplace_back();
     own.out = &out;
-    for (const auto& [time_s, place] : timed) {
+    for (const auto& [time_s, index] : timed) {
       own.times_s.push_back(time_s);
-      own.places.push_back(place);
+      own.indices.push_back(index);
     }
   }
 }
 
-/// The index of the time that is nearest; of two as near the earlier one's.
+/// Returns the index of the nearest time, of two equally near ones the earlier.
 std::size_t nearest(const std::vector<double>& times_s, double time_s) {
   const auto after = std::lower_bound(times_s.begin(), times_s.end(), time_s);
   if (after == times_s.begin()) return 0;
@@ -56,8 +56,8 @@ std::size_t nearest(const std::vector<double>& times_s, double time_s) {
   return after == times_s.end() || time_s - times_s[i - 1] <= *after - time_s ? i - 1 : i;
 }
 
-/// By how much a sensor fires behind the nearest of these moments, in periods from -0.5 to 0.5: the circular mean,
-/// as a sensor half a period behind one is as near to the next.
+/// Returns the delay of a sensor after the nearest moments in periods, -0.5 to 0.5. The mean is circular, because a
+/// sensor that fires half a period after a moment is as near to the next one.
 double phase(const SensorFrames& sensor, const std::vector<double>& moments_s, double period_s) {
   std::complex<double> sum = 0.0;
   for (const double time_s : sensor.times_s) {
@@ -67,8 +67,8 @@ double phase(const SensorFrames& sensor, const std::vector<double>& moments_s, d
   return std::arg(sum) / (2.0 * std::numbers::pi);
 }
 
-/// How much later than the moments each of the sensors fires, in periods: a moment begins with the sensor that has
-/// the first frame of all, and the others follow within a period. What fires with it, to a tenth, is not late.
+/// Returns the delay of each sensor after the start of its moments, in periods. A moment starts with the sensor that has
+/// the first frame of all, and the others follow within a period; up to a tenth before it counts as simultaneous.
 std::vector<double> delays(const std::vector<const SensorFrames*>& sensors,
                            const SensorFrames& lead,
                            double period_s) {
@@ -86,7 +86,7 @@ std::vector<double> delays(const std::vector<const SensorFrames*>& sensors,
   return later;
 }
 
-/// Numbers the frames of sensors that fire as often as each other; the first of them has the most.
+/// Numbers the frames of sensors with the same period; the first sensor has the most frames.
 void number_together(const std::vector<const SensorFrames*>& sensors) {
   const double period_s = sensors.front()->period_s();
   std::vector<double> later(sensors.size());
@@ -103,8 +103,8 @@ void number_together(const std::vector<const SensorFrames*>& sensors) {
     }
   }
   for (std::size_t s = 0; s < sensors.size(); ++s) {
-    for (std::size_t i = 0; i < sensors[s]->places.size(); ++i) {
-      (*sensors[s]->out)[sensors[s]->places[i]] = nearest(times_s, moment_s(s, i));
+    for (std::size_t i = 0; i < sensors[s]->indices.size(); ++i) {
+      (*sensors[s]->out)[sensors[s]->indices[i]] = nearest(times_s, moment_s(s, i));
     }
   }
 }
@@ -113,7 +113,7 @@ void number_together(const std::vector<const SensorFrames*>& sensors) {
 
 RigMoments rig_moments(const Log& log) {
   RigMoments moments;
-  std::vector<SensorFrames> sensors;  // LiDARs first: where all have as many frames, one of them leads
+  std::vector<SensorFrames> sensors;  // LiDARs first: with equal numbers of frames a LiDAR leads
   add_frames(
       log.sweeps, [](const SweepFrame& f) { return f.lidar; }, moments.sweeps, sensors);
   add_frames(
@@ -127,7 +127,7 @@ RigMoments rig_moments(const Log& log) {
     const double period_s = sensors[lead].period_s();
     std::vector<const SensorFrames*> together;
     for (std::size_t i = lead; i < sensors.size(); ++i) {
-      const double own_s = sensors[i].period_s();  // 0: a single frame is of any rate
+      const double own_s = sensors[i].period_s();  // 0: a single frame fits any period
       if (is_done[i] || (i != lead && own_s > 0.0 && std::abs(own_s - period_s) > 0.25 * period_s)) continue;
       is_done[i] = true;
       together.push_back(&sensors[i]);

@@ -1,5 +1,5 @@
 #pragma once
-// Which frames of a drive were taken together: the moments of its rig.
+// Groups of frames that the sensors of a rig take at the same time: its moments.
 #include <cstddef>
 #include <vector>
 
@@ -7,9 +7,9 @@
 
 namespace simuli {
 
-/// [log.images], [log.sweeps]: the number of each frame among those of its sensor, by time. Sensors that fire
-/// as often as each other (to a quarter of the period) have the same numbers where they fire together, each at
-/// its own phase of the period, whatever frames are missing of any.
+/// The number of the moment of each frame of log.images and log.sweeps. Sensors with the same period (to a quarter of
+/// it) share their moments, each firing at its own phase of the period; frames missing from a sensor do not shift its
+/// numbers.
 struct RigMoments {
   std::vector<std::size_t> images, sweeps;
 };

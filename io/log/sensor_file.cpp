@@ -24,7 +24,7 @@ void add_texts(Json& json, const std::string& source, const std::string& licence
   if (!note.empty()) json["note"] = note;
 }
 
-/// A shutter that is open for all pixels at once has no read-out.
+/// Refuses a read-out time for a global shutter.
 void check_readout(const CameraFile& file, const std::string& where, const std::string& field) {
   if (file.readout_s == 0.0 || file.model.shutter != ShutterKind::kGlobal) return;
   throw_input_error(
@@ -74,9 +74,9 @@ void add_facts(Json& json, const LidarFacts& facts) {
 LidarFile lidar_file_from_json(JsonObject& object) {
   LidarFile file;
   file.facts = facts_from_json(object);
-  const bool says_sweep = object.has("sweep_s");
+  const bool has_sweep = object.has("sweep_s");
   file.model = lidar_model_from_json(object);
-  if (!says_sweep && !file.facts.modes.empty()) {
+  if (!has_sweep && !file.facts.modes.empty()) {
     std::visit([&](auto& model) { model.sweep_s = 1.0 / file.facts.mode.spin_hz; }, file.model);
   }
   const auto* const lidar = std::get_if<Lidar>(&file.model);
@@ -89,7 +89,7 @@ LidarFile lidar_file_from_json(JsonObject& object) {
   return file;
 }
 
-/// The sensor of a file where it is of that kind.
+/// Reads a sensor file that must contain a sensor of that kind.
 template <class File>
 File read_kind(const std::filesystem::path& path, const char* found, const char* allowed) {
   SensorFile file = read_sensor_file(path);
@@ -106,7 +106,7 @@ void check(const LidarFile& file, const std::string& where) { validate(file.mode
 }  // namespace
 
 SensorFile sensor_file_from_json(JsonObject& object) {
-  const std::string kind = object.text("kind");  // here none is meant when it is missing
+  const std::string kind = object.text("kind");  // required in sensor files
   if (kind == kCamera) return camera_file_from_json(object);
   if (kind == "lidar" || kind == "ray_list") return lidar_file_from_json(object);
   throw_input_error(object.file(),

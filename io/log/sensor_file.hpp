@@ -21,7 +21,7 @@
 //    "range_min_m": 0.5, "range_max_m": 120, "beam_divergence_rad": 0.003, "divergence_variance": 0.25,
 //    "rows": [{"elevation_rad": 0.26, "azimuth_offset_rad": 0, "vertical_offset_m": 0,
 //              "horizontal_offset_m": 0, "time_offset_s": 0, "radial_offset_m": 0, "range_bias_m": 0,
-//              "fires_every": 2, "fires_first": 0}, ...]}              of columns, these two; may be missing: each
+//              "fires_every": 2, "fires_first": 0}, ...]}              in columns; may be missing: fires in each
 //
 // with rows from top to bottom, fields as in host/core/sensors/lidar.hpp; and for a sensor without rows
 //
@@ -30,7 +30,7 @@
 //    "azimuth_rad": [...], "elevation_rad": [...], "time_fraction": [...],      one value per ray
 //    "origin_m": [x0, y0, z0, x1, ...]}                                        may be missing: the sensor's
 //
-// fields as in host/core/sensors/ray_list.hpp. A sweep_s that no mode tells either is 0.1. Any other key is an
+// fields as in host/core/sensors/ray_list.hpp. Without sweep_s and modes a sweep takes 0.1 s. Any other key is an
 // error.
 #include <filesystem>
 #include <string>
@@ -46,12 +46,12 @@ namespace simuli {
 struct CameraFile {
   Camera model;
   double readout_s = 0.0;  // from the first to the last exposure of a rolling shutter; 0: not stated
-  std::string source = {}, licence = {}, note = {};  // as of LidarFacts
+  std::string source = {}, licence = {}, note = {};  // as in LidarFacts
 };
 
 struct LidarFile {
   LidarModel model;
-  LidarFacts facts = {};  // empty texts and no modes where the file has none
+  LidarFacts facts = {};  // empty if the file has none
 };
 
 using SensorFile = std::variant<CameraFile, LidarFile>;
@@ -59,20 +59,20 @@ using SensorFile = std::variant<CameraFile, LidarFile>;
 /// Error{kInput} naming file and field for bad syntax, missing, unknown or twice written keys, and models
 /// that validate() refuses.
 [[nodiscard]] SensorFile read_sensor_file(const std::filesystem::path& file);
-/// The same where only a sensor of that kind will do: Error{kInput} for another.
+/// As read_sensor_file(), with Error{kInput} for a sensor of the other kind.
 [[nodiscard]] CameraFile read_camera_file(const std::filesystem::path& file);
 [[nodiscard]] LidarFile read_lidar_file(const std::filesystem::path& file);
 
-/// The same from a file's text; `where` is named by errors.
+/// Reads a sensor from the text of a file; errors name `where`.
 [[nodiscard]] SensorFile sensor_file_from_text(const std::string& text, const std::string& where);
 [[nodiscard]] std::string text_of(const SensorFile& file);
-/// Error{kInput} for a model that validate() refuses, and when it can't be written. Atomic.
+/// Writes a sensor file atomically. Error{kInput} for a model that validate() refuses and for a failed write.
 void write_sensor_file(const std::filesystem::path& path, const SensorFile& file);
 
-/// The sensor, at its rig's origin.
+/// Returns the sensor, mounted at the origin of its rig.
 [[nodiscard]] Sensor sensor_of(const SensorFile& file);
-/// What a file has to say for `sensor` to be read from it: of a global shutter no duration, of measured rays
-/// the model's.
+/// Returns the file content of a sensor, without the duration of a global shutter; measured rays are replaced by those of
+/// the model.
 [[nodiscard]] SensorFile sensor_file_of(const Sensor& sensor);
 
 }  // namespace simuli

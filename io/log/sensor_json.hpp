@@ -1,5 +1,5 @@
 #pragma once
-// Sensor models as JSON, shared by logs, scenes and files of their own: io/log/sensor_file.hpp says how.
+// Sensor models as JSON in logs, scenes and sensor files; io/log/sensor_file.hpp describes the format.
 #include "io/base/json_reader.hpp"
 #include "io/log/sensor_file.hpp"
 
@@ -9,13 +9,13 @@ inline constexpr int kMostColumns = 1 << 20;  // of a LiDAR
 
 /// {"name", "model", "width_px", ..., the model's parameters by lens_parameter_names(), "shutter"}
 [[nodiscard]] Json to_json(const Camera& model);
-/// Reads that and validates it. Without "model" it is a pinhole.
+/// Reads a camera and validates it. Without "model" it is a pinhole.
 [[nodiscard]] Camera camera_model_from_json(JsonObject& object);
 
-/// kind to rows or to the list.
+/// The keys from "kind" to "rows", or those of a ray list.
 [[nodiscard]] Json to_json(const LidarModel& model);
-/// Reads that and validates it. A missing kind is "lidar", a missing radial_offset_m or range_bias_m 0, a row without fires_every fires always,
-/// a missing sweep_s 0.1.
+/// Reads a LiDAR and validates it. Defaults of missing keys: kind "lidar", radial_offset_m and range_bias_m 0, fires_every
+/// 1, sweep_s 0.1.
 [[nodiscard]] LidarModel lidar_model_from_json(JsonObject& object);
 
 /// The content of a sensor file.

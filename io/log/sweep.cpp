@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What stands in one channel; a value outside [minimum, maximum] is an error, NaN included.
+/// A channel of the picture; values outside [minimum, maximum] and NaN are errors.
 struct Channel {
   const char* name;
   float minimum;
@@ -27,7 +27,7 @@ struct Channel {
   std::vector<float>& (*values)(Sweep&);
 };
 
-// Angles may be stored unwrapped by a turn; a row's time offset may reach beyond the sweep.
+// Angles may be unwrapped by one revolution; a row's time offset may reach beyond the sweep.
 constexpr float kTurn = 2.0F * std::numbers::pi_v<float>;
 constexpr float kRight = 0.5F * std::numbers::pi_v<float>;
 constexpr std::array<Channel, 5> kChannels{{
@@ -90,7 +90,7 @@ Sweep read_recorded_sweep(const fs::path& file, const SweepShape& shape) {
   need_regular_file(file);
   const std::size_t rows = shape.rows, columns = shape.columns, count = rows * columns;
   require_sound_exr_header(file);
-  // By format, not by name: for a file that isn't OpenEXR the library would try every other decoder it has.
+  // The format is given, because the library would try all its decoders on a file that is not OpenEXR.
   std::string failure;
   const std::unique_ptr<PictureInput> input = picture_codec().open("exr", file, failure);
   if (!input) refuse(file, failure);
@@ -103,7 +103,7 @@ Sweep read_recorded_sweep(const fs::path& file, const SweepShape& shape) {
                       fmt::format("{} x {} of lidar {}", rows, columns, shape.lidar));
   }
   const std::vector<std::string>& names = layout.channel_names;
-  std::array<std::size_t, kChannels.size()> place{};  // of our channels in the file, which sorts by name
+  std::array<std::size_t, kChannels.size()> place{};  // of kChannels in the file, which sorts channels by name
   for (std::size_t c = 0; c < kChannels.size(); ++c) {
     const auto found = std::find(names.begin(), names.end(), kChannels[c].name);
     if (found == names.end() || names.size() != kChannels.size()) {

@@ -1,5 +1,5 @@
 #pragma once
-// The two halves of read_sweep(): what a file holds, and what a LiDAR's model makes of it.
+// The two steps of read_sweep(): reading a file, and applying the LiDAR's model to it.
 #include <cstddef>
 #include <filesystem>
 #include <string>
@@ -8,17 +8,17 @@
 
 namespace simuli {
 
-/// What a LiDAR's sweeps must be.
+/// The size of a LiDAR's sweeps.
 struct SweepShape {
   std::string lidar;
   std::size_t rows = 0, columns = 0;
 };
 [[nodiscard]] SweepShape sweep_shape(const LidarModel& lidar);
 
-/// Ranges as recorded. Error{kInput} as read_sweep().
+/// Reads a sweep with its ranges as recorded. Error{kInput} as read_sweep().
 [[nodiscard]] Sweep read_recorded_sweep(const std::filesystem::path& file, const SweepShape& shape);
-/// Ranges as distances: without the rows' biases, and without returns from the vehicle itself.
-/// Error{kInput} naming `file` when one is not above 0 then.
+/// Converts recorded ranges to distances: subtracts the range biases of the rows and removes returns from the ego
+/// vehicle. Error{kInput} naming `file` if a distance is not above 0.
 [[nodiscard]] Sweep as_measured(Sweep recorded, const std::filesystem::path& file, const LidarModel& lidar);
 
 }  // namespace simuli

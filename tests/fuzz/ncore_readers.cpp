@@ -158,7 +158,8 @@ void read_ncore_parts(const std::filesystem::path& file) {
   read_sensors_of(sequence);
   const Sequence::Path path = sequence.path("world", "rig");
   std::size_t unposed = 0;
-  (void)actors_of(sequence, path, "world", "rig", unposed);
+  LabelReport labels;
+  (void)actors_of(sequence, path, "world", "rig", unposed, labels);
 }
 
 }  // namespace simuli::test

@@ -282,7 +282,8 @@ constexpr std::array kReaders{
                    times.start_s = {0.0, 0.1};
                    times.end_s = {0.1, 0.2};
                    times.world_from_velo = Trajectory({{0.0, Pose{}}, {0.2, Pose{}}});
-                   (void)kitti::read_tracking(f, Pose{}, times);
+                   LabelReport report;
+                   (void)kitti::read_tracking(f, Pose{}, times, report);
                  },
                  "0003.txt"},
     FuzzedReader{"kitti360_camera",

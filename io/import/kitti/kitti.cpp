@@ -192,14 +192,7 @@ std::vector<Recorder> cameras_of(const KittiOptions& options, const fs::path& dr
   std::vector<Recorder> cameras;
   const std::vector<std::string> left = {"image_02"};
   for (const std::string& name : options.cameras.empty() ? left : options.cameras) {
-    const bool is_known =
-        name.size() == 8 && name.starts_with("image_0") && name.back() >= '0' && name.back() <= '3';
-    if (!is_known) {
-      throw Error(
-          ErrorKind::kUsage,
-          fmt::format("cameras: found \"{}\", allowed image_00 and image_01 (grey), image_02, image_03",
-                      name));
-    }
+    (void)index_of_name(name, {"image_00", "image_01", "image_02", "image_03"}, "cameras");
     const bool is_twice = std::any_of(
         cameras.begin(), cameras.end(), [&](const Recorder& camera) { return camera.name == name; });
     if (is_twice) throw Error(ErrorKind::kUsage, fmt::format("cameras: found {} twice, allowed once", name));
@@ -229,7 +222,7 @@ void need_calibration(const fs::path& date_folder, bool from_oxts, const fs::pat
 }  // namespace
 
 Log import_kitti(const KittiOptions& options,
-                 const std::function<void(std::size_t, std::size_t)>& progress,
+                 const FrameProgress& progress,
                  KittiReport* report) {
   // "drive", "./drive/" and "." all have a name and a parent once they are absolute.
   const fs::path absolute = (fs::current_path() / options.drive).lexically_normal();
@@ -280,7 +273,7 @@ Log import_kitti(const KittiOptions& options,
       sweeps.start_s.push_back(seconds(times.start[i]));
       sweeps.end_s.push_back(seconds(times.end[i]));
     }
-    log.actors = read_tracking(options.tracking, calibration.rect00_from_velo, sweeps);
+    log.actors = read_tracking(options.tracking, calibration.rect00_from_velo, sweeps, counts.labels);
   }
   for (std::size_t i = 0; i < recorders.size(); ++i) {
     const std::vector<std::int64_t>& ns = i < picture_ns.size() ? picture_ns[i] : times.start;
@@ -302,24 +295,27 @@ Log import_kitti(const KittiOptions& options,
                  Pose{}}};  // the rig's frame is the velodyne's
 
   Log imported = make_import(options.output, log, [&] {
+    LogMaker maker(log, progress, frames.last - frames.first + 1);
     const Lidar& lidar = log.lidars[0].with_rows();
     for (std::size_t i = frames.first; i <= frames.last; ++i) {
       for (std::size_t c = 0; c < log.cameras.size(); ++c) {
         if (!recorders[c].has(i)) continue;
         const Camera& camera = log.cameras[c].model;
-        const std::string file = fmt::format("images/{}_{:010}.png", camera.name, i);
-        put_picture(log, recorders[c].file(i), file, camera, "S_rect_" + camera.name.substr(6));
         const double time_s = seconds(picture_ns[c][i]);
-        log.images.push_back({camera.name, file, time_s, time_s});
+        maker.add_picture(camera,
+                          fmt::format("{}_{:010}", camera.name, i),
+                          recorders[c].file(i),
+                          "S_rect_" + camera.name.substr(6),
+                          {time_s, time_s});
       }
       if (velodyne.has(i)) {
-        const std::string file = fmt::format("sweeps/{:010}.exr", i);
-        put_sweep(log, file, read_turn(velodyne.file(i), lidar, counts));
-        log.sweeps.push_back({lidar.name, file, seconds(times.start[i]), seconds(times.end[i])});
+        maker.add_sweep(lidar.name,
+                        fmt::format("{:010}", i),
+                        read_sweep_file(velodyne.file(i), lidar, counts),
+                        {seconds(times.start[i]), seconds(times.end[i])});
       }
-      if (progress) progress(i - frames.first + 1, frames.last - frames.first + 1);
+      maker.step();
     }
-    sort_by_time(log);
   });
   if (report != nullptr) *report = counts;
   return imported;

@@ -1,11 +1,11 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "io/log/label_tracks.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {
@@ -53,6 +53,7 @@ struct KittiReport {
   double azimuth_shift_max_rad = 0.0;  // farthest that a measured ray lies from its column's even spacing
   std::vector<KittiGaps> gaps;         // of the sensors that have any, and of oxts
   std::vector<KittiGaps> disordered;   // left out: times that are not between those before and behind
+  LabelReport labels;                  // of the file KittiOptions::tracking
   std::vector<KittiJump> jumps;        // steps of at least half a second more than is usual
 };
 
@@ -64,7 +65,7 @@ struct KittiReport {
 /// Error{kInput} naming the file for anything else that is missing, truncated or not a number, and for a
 /// sensor that recorded none of the frames.
 Log import_kitti(const KittiOptions& options,
-                 const std::function<void(std::size_t, std::size_t)>& progress = {},
+                 const FrameProgress& progress = {},
                  KittiReport* report = nullptr);
 
 }  // namespace simuli

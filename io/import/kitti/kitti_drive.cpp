@@ -113,7 +113,7 @@ Lidar fit_lidar(const std::vector<fs::path>& files, Lidar lidar, KittiReport& re
   return lidar;
 }
 
-Sweep read_turn(const fs::path& file, const Lidar& lidar, KittiReport& report) {
+Sweep read_sweep_file(const fs::path& file, const Lidar& lidar, KittiReport& report) {
   std::size_t points = 0;
   const Sweep sweep = make_sweep(read_beams(file, lidar, points), lidar);
   add_to_report(sweep, lidar, report);

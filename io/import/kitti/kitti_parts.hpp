@@ -16,6 +16,7 @@
 #include "host/core/sensors/camera.hpp"
 #include "host/core/sensors/lidar.hpp"
 #include "host/core/sensors/trajectory.hpp"
+#include "io/log/label_tracks.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {
@@ -125,7 +126,8 @@ struct SweepTimes {
 /// label.
 [[nodiscard]] std::vector<Actor> read_tracking(const std::filesystem::path& file,
                                                const Pose& rect00_from_velo,
-                                               const SweepTimes& sweeps);
+                                               const SweepTimes& sweeps,
+                                               LabelReport& report);
 
 // ---- sweeps (kitti_sweep.cpp) ----
 
@@ -175,6 +177,6 @@ struct BeamPoints {
                               KittiReport& report);
 
 /// make_sweep() of a file, counted in the report.
-[[nodiscard]] Sweep read_turn(const std::filesystem::path& file, const Lidar& lidar, KittiReport& report);
+[[nodiscard]] Sweep read_sweep_file(const std::filesystem::path& file, const Lidar& lidar, KittiReport& report);
 
 }  // namespace simuli::kitti

@@ -72,12 +72,13 @@ double time_met(const Eigen::Vector3d& p_velo, double start_s, double end_s) {
 
 std::vector<Actor> read_tracking(const fs::path& file,
                                  const Pose& rect00_from_velo,
-                                 const SweepTimes& sweeps) {
+                                 const SweepTimes& sweeps,
+                                 LabelReport& report) {
   const Pose velo_from_rect00 = rect00_from_velo.inverse();
-  std::map<int, Actor> actors;
+  std::map<int, std::vector<std::pair<KeyPose, Label>>> objects;  // by track id
   for (const auto& [number, line] : numbered_lines(file)) {
     const std::string where = fmt::format("line {}", number);
-    const Label label = parse_label(line, file, where);
+    Label label = parse_label(line, file, where);
     // The number of the frame among the sweeps; before the first it is beyond the last.
     const std::size_t frame = static_cast<std::size_t>(label.frame) - sweeps.first;
     if (label.type == "DontCare" || frame >= sweeps.start_s.size()) continue;
@@ -85,23 +86,18 @@ std::vector<Actor> read_tracking(const fs::path& file,
     KeyPose key;
     key.time_s = time_met(velo_from_box.translation, sweeps.start_s[frame], sweeps.end_s[frame]);
     key.world_from_actor = sweeps.world_from_velo.at(key.time_s) * velo_from_box;
-    Actor& actor = actors[label.track];
-    if (actor.track.empty()) {
-      actor.kind = label.type;
-      std::transform(actor.kind.begin(), actor.kind.end(), actor.kind.begin(), [](unsigned char letter) {
-        return static_cast<char>(std::tolower(letter));
-      });
-      actor.name = name_from(fmt::format("{}_{}", actor.kind, label.track));
-    }
-    actor.size_m = actor.size_m.cwiseMax(label.size_m);
-    actor.track.push_back(key);
+    std::transform(label.type.begin(), label.type.end(), label.type.begin(), [](unsigned char letter) {
+      return static_cast<char>(std::tolower(letter));
+    });
+    objects[label.track].emplace_back(key, std::move(label));
   }
-  std::vector<Actor> out;
-  for (auto& [track, actor] : actors) {
-    validate(actor, file.string());
-    out.push_back(std::move(actor));
+  LabelTracks tracks;
+  for (const auto& [track, labels] : objects) {
+    const std::string id = std::to_string(track);
+    for (const auto& [key, label] : labels)
+      tracks.add(id, label.type, key, label.size_m, name_from(label.type + "_" + id));
   }
-  return out;
+  return tracks.take(file.string(), report);
 }
 
 }  // namespace simuli::kitti

@@ -29,7 +29,7 @@ constexpr double kMostPastPath_s = 0.15;  // half a turn more is what a trajecto
 struct Recording {
   fs::path file;
   std::size_t frame = 0;
-  double start_s = 0.0, end_s = 0.0;
+  FrameSpan span;
 };
 
 std::string find_sequence(const Kitti360Options& options) {
@@ -67,17 +67,6 @@ std::vector<std::pair<std::string, fs::path>> find_cameras(const fs::path& pictu
   return found;
 }
 
-/// Half the time between a turn and its neighbours to either side.
-double half_revolution_s(const std::vector<std::int64_t>& times_ns, std::size_t frame) {
-  double revolution_s = kRevolution_s;
-  for (const std::size_t later : {frame, frame + 1}) {
-    if (later == 0 || later >= times_ns.size()) continue;
-    const double apart_s = static_cast<double>(times_ns[later] - times_ns[later - 1]) * 1e-9;
-    if (apart_s > 0.0) revolution_s = std::min(revolution_s, apart_s);
-  }
-  return 0.5 * revolution_s;
-}
-
 class Sequence {
  public:
   Sequence(const Kitti360Options& options, Kitti360Report& report)
@@ -111,15 +100,16 @@ class Sequence {
   }
 
   [[nodiscard]] std::vector<Recording> sweeps(const Trajectory& path) const {
-    return present(points() / "data", ".bin", path, velodyne_ns_, [&](std::size_t frame) {
-      return half_revolution_s(velodyne_ns_, frame);
-    });
+    std::vector<double> stamps_s;
+    for (const std::int64_t ns : velodyne_ns_) stamps_s.push_back(seconds(ns));
+    return present(
+        points() / "data", ".bin", path, sweep_spans(stamps_s, kRevolution_s, SweepStamp::kMiddle));
   }
   [[nodiscard]] std::vector<Recording> pictures(const fs::path& folder, const Trajectory& path) const {
-    return present(
-        folder, ".png", path, read_times(folder.parent_path() / "timestamps.txt"), [](std::size_t) {
-          return 0.0;
-        });
+    std::vector<FrameSpan> spans;
+    for (const std::int64_t ns : read_times(folder.parent_path() / "timestamps.txt"))
+      spans.push_back({seconds(ns), seconds(ns)});
+    return present(folder, ".png", path, spans);
   }
   [[nodiscard]] std::vector<std::pair<std::string, fs::path>> cameras() const {
     return find_cameras(options_.root / "data_2d_raw" / name_);
@@ -131,27 +121,25 @@ class Sequence {
   [[nodiscard]] fs::path points() const { return options_.root / "data_3d_raw" / name_ / "velodyne_points"; }
   [[nodiscard]] double seconds(std::int64_t ns) const { return static_cast<double>(ns - start_ns_) * 1e-9; }
 
-  /// The frames' files that are there and near enough to a pose; each lasts `half_s` to either side.
-  template <class Half>
+  /// The frames' files that are there and near enough to a pose.
   [[nodiscard]] std::vector<Recording> present(const fs::path& folder,
                                                const char* ending,
                                                const Trajectory& path,
-                                               const std::vector<std::int64_t>& times_ns,
-                                               const Half& half_s) const {
+                                               const std::vector<FrameSpan>& spans) const {
     std::vector<Recording> found;
     std::error_code ignored;
     for (std::size_t frame = options_.first; frame <= last_; ++frame) {
       const fs::path file = folder / fmt::format("{:010}{}", frame, ending);
-      if (frame >= times_ns.size() || !fs::exists(file, ignored)) {
+      if (frame >= spans.size() || !fs::exists(file, ignored)) {
         ++report_.absent;
         continue;
       }
-      const double time_s = seconds(times_ns[frame]);
+      const double time_s = 0.5 * (spans[frame].time_start_s + spans[frame].time_end_s);
       if (time_s < path.start_s() - kMostPastPath_s || time_s > path.end_s() + kMostPastPath_s) {
         ++report_.unposed;
         continue;
       }
-      found.push_back({file, frame, time_s - half_s(frame), time_s + half_s(frame)});
+      found.push_back({file, frame, spans[frame]});
     }
     return found;
   }
@@ -167,7 +155,7 @@ class Sequence {
 }  // namespace
 
 Log import_kitti360(const Kitti360Options& options,
-                    const std::function<void(std::size_t, std::size_t)>& progress,
+                    const FrameProgress& progress,
                     Kitti360Report& report) {
   const Sequence sequence(options, report);
   const auto cameras = sequence.cameras();
@@ -182,7 +170,7 @@ Log import_kitti360(const Kitti360Options& options,
   log.world_from_rig = sequence.path(calibration.imu_from_velo);
   const std::vector<Recording> sweeps = sequence.sweeps(log.world_from_rig);
   std::vector<std::vector<Recording>> pictures;
-  std::size_t total = sweeps.size(), done = 0;
+  std::size_t total = sweeps.size();
   for (const auto& [name, folder] : cameras) {
     pictures.push_back(sequence.pictures(folder, log.world_from_rig));
     total += pictures.back().size();
@@ -196,25 +184,22 @@ Log import_kitti360(const Kitti360Options& options,
   }
 
   return make_import(options.output, log, [&] {
-    const auto step = [&] {
-      if (progress) progress(++done, total);
-    };
+    LogMaker maker(log, progress, total);
     for (const Recording& sweep : sweeps) {
       const Lidar& lidar = log.lidars[0].with_rows();
-      const std::string file = fmt::format("sweeps/{:010}.exr", sweep.frame);
-      put_sweep(log, file, kitti::read_turn(sweep.file, lidar, report.points));
-      log.sweeps.push_back({lidar.name, file, sweep.start_s, sweep.end_s});
-      step();
+      maker.add_sweep(lidar.name,
+                      fmt::format("{:010}", sweep.frame),
+                      kitti::read_sweep_file(sweep.file, lidar, report.points),
+                      sweep.span);
+      maker.step();
     }
     for (std::size_t c = 0; c < cameras.size(); ++c) {
       for (const Recording& picture : pictures[c]) {
-        const std::string file = fmt::format("images/{}_{:010}.png", names[c], picture.frame);
-        put_picture(log, picture.file, file, log.cameras[c].model, "calibration");
-        log.images.push_back({names[c], file, picture.start_s, picture.end_s});
-        step();
+        const std::string stem = fmt::format("{}_{:010}", names[c], picture.frame);
+        maker.add_picture(log.cameras[c].model, stem, picture.file, "calibration", picture.span);
+        maker.step();
       }
     }
-    sort_by_time(log);
   });
 }
 

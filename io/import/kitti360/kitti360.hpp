@@ -1,7 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <string>
 
@@ -33,7 +32,7 @@ struct Kitti360Report {
 /// stood nearly still, which lie between their neighbours. The velodyne's time is that of looking forward,
 /// the middle of a turn. Boxes are not imported. Error{kInput} naming the file for what does not fit.
 Log import_kitti360(const Kitti360Options& options,
-                    const std::function<void(std::size_t, std::size_t)>& progress,
+                    const FrameProgress& progress,
                     Kitti360Report& report);
 
 }  // namespace simuli

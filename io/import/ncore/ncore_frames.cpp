@@ -4,11 +4,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <limits>
-#include <set>
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
-#include "host/core/base/spread.hpp"
 #include "io/import/ncore/ncore_sequence.hpp"
 #include "io/ncore/names.hpp"
 
@@ -137,29 +135,15 @@ Eigen::Quaterniond exact_rotation(const Box& box, const Json& ours, std::size_t 
   return exact && exact->angularDistance(rotation) < kRounding_rad ? *exact : rotation;
 }
 
-/// A name of its own for each id.
-std::string name_of_track(const std::string& id, std::set<std::string>& names) {
-  const std::string name = id.empty() ? "track" : name_from(id);
-  std::string own = name;
-  for (std::size_t n = 2; !names.insert(own).second; ++n) own = fmt::format("{}_{}", name.substr(0, 100), n);
-  return own;
-}
-
-struct Track {
-  Actor actor;
-  std::vector<double> sizes[3];
-};
-
 }  // namespace
 
 std::vector<Actor> actors_of(const Sequence& sequence,
                              const Sequence::Path& path,
                              const std::string& world,
                              const std::string& rig,
-                             std::size_t& unposed) {
-  std::vector<Track> tracks;
-  std::map<std::string, std::size_t> index;
-  std::set<std::string> names;
+                             std::size_t& unposed,
+                             LabelReport& report) {
+  LabelTracks tracks;
   const PoseTable& poses = sequence.poses();
   for (const auto& [name, place] : sequence.instances("cuboids")) {
     const ZarrGroup group = place / "cuboids";
@@ -185,34 +169,14 @@ std::vector<Actor> actors_of(const Sequence& sequence,
         }
         world_from_frame = path.trajectory.at(frame_s) * *mounted;
       }
-      const auto [found, is_new] = index.emplace(box.id, tracks.size());
-      if (is_new) {
-        tracks.emplace_back();
-        tracks.back().actor.name = name_of_track(box.id, names);
-        tracks.back().actor.kind = box.kind;
-      }
-      Track& track = tracks[found->second];
-      for (int d = 0; d < 3; ++d) track.sizes[d].push_back(box.size[d]);
       KeyPose key;
       key.time_s = times_s[i];
       // A product would round what stands in the world already.
       key.world_from_actor = box.frame == world ? frame_from_box : world_from_frame * frame_from_box;
-      track.actor.track.push_back(key);
+      tracks.add(box.id, box.kind, key, box.size, box.id.empty() ? "track" : name_from(box.id));
     }
   }
-  std::vector<Actor> out;
-  for (Track& track : tracks) {
-    Actor& actor = track.actor;
-    // Sizes of one box differ from label to label.
-    for (int side = 0; side < 3; ++side) actor.size_m[side] = upper_median(std::move(track.sizes[side]));
-    const auto is_earlier = [](const KeyPose& a, const KeyPose& b) { return a.time_s < b.time_s; };
-    const auto is_same = [](const KeyPose& a, const KeyPose& b) { return a.time_s == b.time_s; };
-    std::stable_sort(actor.track.begin(), actor.track.end(), is_earlier);
-    actor.track.erase(std::unique(actor.track.begin(), actor.track.end(), is_same), actor.track.end());
-    validate(actor, sequence.file());
-    out.push_back(std::move(actor));
-  }
-  return out;
+  return tracks.take(sequence.file(), report);
 }
 
 }  // namespace simuli::ncore

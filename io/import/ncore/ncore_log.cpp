@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <utility>
 
 #include "host/core/base/error.hpp"
@@ -21,59 +20,41 @@ namespace {
 namespace fs = std::filesystem;
 using namespace ncore;
 
-void need_known(const std::vector<std::string>& asked,
-                const std::vector<std::string>& known,
-                const char* option) {
-  for (const std::string& name : asked) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    throw Error(ErrorKind::kUsage,
-                fmt::format("{}: found \"{}\", allowed {}", option, name, fmt::join(known, ", ")));
-  }
-}
-
-bool is_asked(const std::vector<std::string>& names, const std::string& name) {
-  return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
-}
-
 class Importer {
  public:
   Importer(const NcoreOptions& options, NcoreReport& report)
       : options_(options), report_(report), sequence_(options.sequence) {
-    std::vector<std::string> known = sequence_.in_order("lidars");
-    need_known(options.cameras, sequence_.in_order("cameras"), "--cameras");
-    need_known(options.lidars, known, "--lidars");
-    for (const auto& [name, table] : options.tables) need_known({name}, known, "--lidar");
+    const std::vector<std::string> all = sequence_.in_order("lidars");
+    const auto cameras = requested_sensors(options.cameras, sequence_.in_order("cameras"), "--cameras");
+    const auto lidars = requested_sensors(options.lidars, all, "--lidars");
+    for (const auto& [name, table] : options.tables) (void)index_of_name(name, all, "--lidar");
     path_ = sequence_.path(options.world_frame, options.rig_frame);
     log_.name = name_from(sequence_.id());
     log_.start_ns = sequence_.clock().start_ns();
     log_.world_from_rig = path_.trajectory;
-    for (const std::string& name : sequence_.in_order("cameras")) {
-      if (is_asked(options.cameras, name)) add_camera(name);
-    }
-    for (const std::string& name : sequence_.in_order("lidars")) {
-      if (is_asked(options.lidars, name)) add_lidar(name);
-    }
+    for (const std::string& name : cameras) add_camera(name);
+    for (const std::string& name : lidars) add_lidar(name);
     if (log_.cameras.empty() && log_.lidars.empty())
       throw_nothing_left(sequence_.file(), "sensors", "none that can be used", "at least one");
     for (const char* const kind : {"radars", "point_clouds", "camera_labels"}) {
       const std::size_t count = sequence_.instances(kind).size();
       if (count > 0) report_.notes.push_back(fmt::format("left out: {} {}", count, kind));
     }
-    log_.actors = actors_of(sequence_, path_, options.world_frame, options.rig_frame, report_.unposed);
+    log_.actors = actors_of(
+        sequence_, path_, options.world_frame, options.rig_frame, report_.unposed, report_.labels);
   }
 
-  Log write(const std::function<void(std::size_t, std::size_t)>& progress) {
-    std::size_t total = 0, done = 0;
+  Log write(const FrameProgress& progress) {
+    std::size_t total = 0;
     for (const LogCamera& camera : log_.cameras) total += frames_of("cameras", camera.model.name).size();
     for (const LogLidar& lidar : log_.lidars) total += frames_of("lidars", name_of(lidar.model)).size();
-    const auto step = [&] {
-      if (progress) progress(++done, total);
-    };
     return make_import(options_.output, log_, [&] {
-      for (const LogCamera& camera : log_.cameras) add_pictures(camera.model, step);
-      for (LogLidar& lidar : log_.lidars) add_sweeps(lidar, step);
+      LogMaker maker(log_, progress, total);
+      for (const LogCamera& camera : log_.cameras) add_pictures(camera.model, maker);
+      for (LogLidar& lidar : log_.lidars) add_sweeps(lidar, maker);
       for (const LogCamera& camera : log_.cameras) add_masks(camera.model.name);
-      sort_by_time(log_);
+      report_.rays = maker.rays();
+      report_.returned = maker.returned();
     });
   }
 
@@ -172,28 +153,27 @@ class Importer {
   }
 
   /// Times of a frame in the log; false when it lies beside the path.
-  bool span(const ZarrGroup& frame, const FrameTime& time, double& start_s, double& end_s) {
+  bool span(const ZarrGroup& frame, const FrameTime& time, FrameSpan& out) {
     const Json meta = (frame / "generic_data").attributes();
     const auto ours = meta.find("simuli");
     const std::vector<double> times_s = sequence_.times_of(
         {time.start_us, time.end_us}, ours != meta.end() && ours->is_object() ? *ours : Json::object());
-    start_s = times_s[0];
-    end_s = times_s[1];
-    const bool is_posed = start_s >= path_.first_s && end_s <= path_.last_s;
+    out = {times_s[0], times_s[1]};
+    const bool is_posed = out.time_start_s >= path_.first_s && out.time_end_s <= path_.last_s;
     if (!is_posed) ++report_.unposed;
     return is_posed;
   }
 
-  template <class Step>
-  void add_pictures(const Camera& camera, const Step& step) {
+  void add_pictures(const Camera& camera, LogMaker& maker) {
     std::size_t number = 0;
     for (const FrameTime& time : frames_of("cameras", camera.name)) {
-      step();
+      maker.step();
       const ZarrGroup frame = place("cameras", camera.name) / fmt::format("frames/{}", time.end_us),
                       image = frame / "image";
-      double start_s = 0.0, end_s = 0.0;
-      if (!span(frame, time, start_s, end_s)) continue;
-      if (camera.shutter == ShutterKind::kGlobal) end_s = start_s;  // all of it at its start, as NCore has it
+      FrameSpan times;
+      if (!span(frame, time, times)) continue;
+      // NCore's global shutter exposes the whole picture at the start.
+      if (camera.shutter == ShutterKind::kGlobal) times.time_end_s = times.time_start_s;
       const std::string bytes = read_zarr_array(*image.store, image.path).bytes;
       const bool is_png = bytes.starts_with("\x89PNG");
       if (!is_png && !bytes.starts_with("\xff\xd8\xff"))
@@ -205,22 +185,21 @@ class Importer {
         (void)with_context("reading " + image.file(),
                            [&] { return read_image(to, camera.width, camera.height, "its intrinsics"); });
       });
-      log_.images.push_back({camera.name, file, start_s, end_s});
+      log_.images.push_back({camera.name, file, times.time_start_s, times.time_end_s});
     }
   }
 
-  template <class Step>
-  void add_sweeps(LogLidar& lidar, const Step& step) {
+  void add_sweeps(LogLidar& lidar, LogMaker& maker) {
     const std::string name = name_of(lidar.model);
     const bool by_table = options_.tables.contains(name);
     const RayGrid grid(lidar.model);
     float farthest = 0.0F;
     std::size_t number = 0;
     for (const FrameTime& time : frames_of("lidars", name)) {
-      step();
+      maker.step();
       const ZarrGroup frame = place("lidars", name) / fmt::format("frames/{}", time.end_us);
-      SweepFrame out{name, fmt::format("sweeps/{}_{:06}.exr", name, number), 0.0, 0.0};
-      if (!span(frame, time, out.time_start_s, out.time_end_s)) continue;
+      FrameSpan times;
+      if (!span(frame, time, times)) continue;
       if (time.end_us == time.start_us) throw_input_error(frame.file(), "end", "its start", "a later time");
       const RayBundle rays = read_rays(frame, report_.echoes);
       Sweep sweep;
@@ -232,14 +211,10 @@ class Importer {
       }
       for (std::size_t i = 0; i < sweep.range.size(); ++i) {
         if (!(sweep.range[i] > 0.0F)) continue;
-        ++report_.returned;
         farthest = std::max(farthest, sweep.range[i]);
         sweep.range[i] = stated_range(lidar.model, sweep.rays, i, sweep.range[i]);
       }
-      report_.rays += sweep.range.size();
-      put_sweep(log_, out.file, sweep);
-      log_.sweeps.push_back(std::move(out));
-      ++number;
+      maker.add_sweep(name, fmt::format("{}_{:06}", name, number++), sweep, times);
     }
     if (std::find(without_range_.begin(), without_range_.end(), name) == without_range_.end()) return;
     auto& model = std::get<Lidar>(lidar.model);
@@ -295,7 +270,7 @@ class Importer {
 }  // namespace
 
 Log import_ncore(const NcoreOptions& options,
-                 const std::function<void(std::size_t, std::size_t)>& progress,
+                 const FrameProgress& progress,
                  NcoreReport& report) {
   return Importer(options, report).write(progress);
 }

@@ -3,13 +3,13 @@
 // PhysicalAI-AV and others, and what export_ncore() writes.
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "host/core/sensors/lidar.hpp"
 #include "io/import/points/point_grid.hpp"
+#include "io/log/label_tracks.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {
@@ -29,13 +29,14 @@ struct NcoreReport {
   std::size_t twice = 0;               // rays that name an element that another one has; left out
   std::size_t echoes = 0;              // further returns of a ray; left out
   std::size_t unposed = 0;             // frames and boxes beside the path; left out
+  LabelReport labels;
   std::vector<std::string> notes;      // what was taken for what, and what was left out
 };
 
 /// Error{kInput} naming store, group and field for what is damaged or can't be read, and for a sequence
 /// without a path of the rig. Error{kUsage} for options of sensors that it has not.
 Log import_ncore(const NcoreOptions& options,
-                 const std::function<void(std::size_t, std::size_t)>& progress,
+                 const FrameProgress& progress,
                  NcoreReport& report);
 
 }  // namespace simuli

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "io/log/label_tracks.hpp"
 #include "io/log/log.hpp"
 #include "io/ncore/clock.hpp"
 #include "io/ncore/poses.hpp"
@@ -80,7 +81,8 @@ class Sequence {
                                            const Sequence::Path& path,
                                            const std::string& world,
                                            const std::string& rig,
-                                           std::size_t& unposed);
+                                           std::size_t& unposed,
+                                           LabelReport& report);
 
 /// Rays of a LiDAR's frame, of several returns the first; the others are counted in `echoes`.
 [[nodiscard]] RayBundle read_rays(const ZarrGroup& frame, std::size_t& echoes);

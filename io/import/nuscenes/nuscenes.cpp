@@ -120,39 +120,28 @@ std::int64_t time_ns(JsonObject& entry) {
 /// Boxes of the scene's samples, one actor per instance: "car_3" by the order of the table.
 std::vector<Actor> read_actors(const fs::path& folder,
                                const std::map<std::string, std::int64_t>& sample_ns,
-                               std::int64_t start_ns) {
+                               std::int64_t start_ns,
+                               LabelReport& report) {
   std::map<std::string, std::string> category;
   read_table(folder, "category", [&](JsonObject& c) { category[c.text("token")] = c.text("name"); });
   std::map<std::string, std::string> kind;  // by instance
   read_table(folder, "instance", [&](JsonObject& i) {
     kind[i.text("token")] = linked(category, i, "category_token");
   });
-  std::vector<Actor> actors;
-  std::map<std::string, std::size_t> index;
+  LabelTracks tracks;
   read_table(folder, "sample_annotation", [&](JsonObject& a) {
     const auto sample = sample_ns.find(a.text("sample_token"));
     if (sample == sample_ns.end()) return;  // of another scene
-    const std::string name = linked(kind, a, "instance_token");
-    const auto [entry, is_new] = index.emplace(a.text("instance_token"), actors.size());
-    if (is_new) {
-      const Eigen::Vector3d size = a.vector<3>("size");  // width, length, height
-      const std::string last = name.substr(name.rfind('.') + 1);
-      actors.push_back(
-          {name_from(fmt::format("{}_{}", last, actors.size())), name, {size[1], size[0], size[2]}, {}});
-    }
-    actors[entry->second].track.push_back(
-        {static_cast<double>(sample->second - start_ns) * 1e-9, pose_of(a)});
+    const Eigen::Vector3d size = a.vector<3>("size");  // width, length, height
+    tracks.add(a.text("instance_token"),
+               linked(kind, a, "instance_token"),
+               {static_cast<double>(sample->second - start_ns) * 1e-9, pose_of(a)},
+               {size[1], size[0], size[2]});
   });
-  for (Actor& actor : actors) {
-    std::sort(actor.track.begin(), actor.track.end(), [](const KeyPose& a, const KeyPose& b) {
-      return a.time_s < b.time_s;
-    });
-    validate(actor, (folder / "sample_annotation.json").string());
-  }
-  return actors;
+  return tracks.take((folder / "sample_annotation.json").string(), report);
 }
 
-Tables read_tables(const NuscenesOptions& options) {
+Tables read_tables(const NuscenesOptions& options, LabelReport& labels) {
   const fs::path folder = table_folder(options);
   Tables t;
   const std::string scene = find_scene(folder, options, t);
@@ -207,7 +196,7 @@ Tables read_tables(const NuscenesOptions& options) {
   for (const auto& [ns, pose] : path) {
     t.path.push_back({static_cast<double>(ns - t.start_ns) * 1e-9, pose});
   }
-  t.actors = read_actors(folder, sample_ns, t.start_ns);
+  t.actors = read_actors(folder, sample_ns, t.start_ns, labels);
   return t;
 }
 
@@ -224,22 +213,12 @@ Camera camera_of(const Recording& r, const Mounted& m) {
   return c;
 }
 
-/// Start of each sweep: the end of the one before, or a turn before its own end.
-std::vector<double> sweep_starts(const std::vector<double>& ends_s, double revolution_s) {
-  std::vector<double> starts;
-  for (std::size_t i = 0; i < ends_s.size(); ++i) {
-    const bool follows = i > 0 && ends_s[i] - ends_s[i - 1] < 1.5 * revolution_s;
-    starts.push_back(follows ? ends_s[i - 1] : ends_s[i] - revolution_s);
-  }
-  return starts;
-}
-
 }  // namespace
 
 Log import_nuscenes(const NuscenesOptions& options,
-                    const std::function<void(std::size_t, std::size_t)>& progress,
+                    const FrameProgress& progress,
                     NuscenesReport& report) {
-  Tables t = read_tables(options);
+  Tables t = read_tables(options, report.labels);
   Log log;
   log.name = name_from(t.scene);
   log.start_ns = t.start_ns;
@@ -266,7 +245,7 @@ Log import_nuscenes(const NuscenesOptions& options,
   constexpr double kRevolution_s = 0.05;
   std::vector<double> ends_s;
   for (const Recording* r : turns) ends_s.push_back(seconds(r));
-  const std::vector<double> starts_s = sweep_starts(ends_s, kRevolution_s);
+  const std::vector<FrameSpan> spans = sweep_spans(ends_s, kRevolution_s, SweepStamp::kEnd);
   log.world_from_rig = Trajectory(std::move(t.path));
   if (!turns.empty()) {
     std::vector<fs::path> files;
@@ -276,32 +255,29 @@ Log import_nuscenes(const NuscenesOptions& options,
   }
 
   return make_import(options.output, log, [&] {
-    std::size_t done = 0;
-    const auto step = [&] {
-      if (progress) progress(++done, pictures.size() + turns.size());
-    };
+    LogMaker maker(log, progress, pictures.size() + turns.size());
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       const Recording& r = *pictures[i];
-      const std::string file = fmt::format("images/{}_{:06}.jpg", r.channel, i);
-      put_picture(log, options.root / r.file, file, log.camera(r.channel).model, "sample_data.json");
-      log.images.push_back({r.channel, file, seconds(&r), seconds(&r)});
-      step();
+      maker.add_picture(log.camera(r.channel).model,
+                        fmt::format("{}_{:06}", r.channel, i),
+                        options.root / r.file,
+                        "sample_data.json",
+                        {seconds(&r), seconds(&r)});
+      maker.step();
     }
     report.hidden = hide_lowest(log, kSeesVehicle, kVehicle);
     for (std::size_t i = 0; i < turns.size(); ++i) {
-      const std::string file = fmt::format("sweeps/{:06}.exr", i);
       const Pose& mount = log.lidars[0].rig_from_lidar;
+      const Trajectory& path = log.world_from_rig;
       const Pose start_from_end =
-          (log.world_from_rig.at(starts_s[i]) * mount).inverse() * (log.world_from_rig.at(ends_s[i]) * mount);
+          (path.at(spans[i].time_start_s) * mount).inverse() * (path.at(spans[i].time_end_s) * mount);
       const Sweep sweep =
           nuscenes::read_turn(options.root / turns[i]->file, log.lidars[0].with_rows(), start_from_end);
-      put_sweep(log, file, sweep);
-      report.rays += sweep.range.size();
-      report.returned += static_cast<std::size_t>(
-          std::count_if(sweep.range.begin(), sweep.range.end(), [](float r) { return r > 0.0F; }));
-      log.sweeps.push_back({kLidar, file, starts_s[i], ends_s[i]});
-      step();
+      maker.add_sweep(kLidar, fmt::format("{:06}", i), sweep, spans[i]);
+      maker.step();
     }
+    report.rays = maker.rays();
+    report.returned = maker.returned();
   });
 }
 

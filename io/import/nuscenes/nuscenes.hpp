@@ -1,9 +1,9 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <string>
 
+#include "io/log/label_tracks.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {
@@ -20,6 +20,7 @@ struct NuscenesReport {
   std::size_t absent = 0;           // pictures and sweeps that the tables name and that are not there
   std::size_t rays = 0;             // of all firing grids
   std::size_t returned = 0;         // of these
+  LabelReport labels;
   std::vector<std::string> hidden;  // cameras that see the vehicle, whose masks hide it
 };
 
@@ -30,7 +31,7 @@ struct NuscenesReport {
 /// Pictures and sweeps that are not there (who has key frames alone) are left out and counted. Error{kInput}
 /// naming table, entry and field for anything that does not fit together.
 Log import_nuscenes(const NuscenesOptions& options,
-                    const std::function<void(std::size_t, std::size_t)>& progress,
+                    const FrameProgress& progress,
                     NuscenesReport& report);
 
 }  // namespace simuli

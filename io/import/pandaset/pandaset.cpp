@@ -91,25 +91,20 @@ class Importer {
     find_files();
   }
 
-  Log write(const std::function<void(std::size_t, std::size_t)>& progress) {
-    const std::size_t total = 2 * clouds_.size() + pictures_.size();
-    std::size_t done = 0;
-    const auto step = [&] {
-      if (progress) progress(++done, total);
-    };
+  Log write(const FrameProgress& progress) {
     return make_import(options_.output, log_, [&] {
-      look_at_clouds(step);
+      LogMaker maker(log_, progress, 2 * clouds_.size() + pictures_.size());
+      survey_clouds(maker);
       for (const auto& [number, file] : clouds_) {
-        add_cloud(number, file);
-        step();
+        add_cloud(number, file, maker);
+        maker.step();
       }
       need_placed(report_.points, (folder_ / "lidar").string());
       for (const Picture& picture : pictures_) {
-        add_picture(picture);
-        step();
+        add_picture(picture, maker);
+        maker.step();
       }
       hide_vehicle();
-      sort_by_time(log_);
       log_.actors = boxes_.take((folder_ / "annotations" / "cuboids").string(), report_);
     });
   }
@@ -130,21 +125,9 @@ class Importer {
     std::sort(known.begin(), known.end());
     if (known.empty())
       throw_input_error((folder_ / "camera").string(), "folders", "none", "front_camera and others");
-    cameras_ = chosen(options_.cameras, known, "camera");
-    lidars_ = chosen(options_.lidars, {kPandar64, kPandarGt}, "LiDAR");
+    cameras_ = requested_sensors(options_.cameras, known, "camera");
+    lidars_ = requested_sensors(options_.lidars, {kPandar64, kPandarGt}, "LiDAR");
     for (const std::string& name : cameras_) need_name(name, folder_.string(), "camera");
-  }
-
-  /// Of all those, in their order; Error{kUsage} for others.
-  static std::vector<std::string> chosen(const std::vector<std::string>& asked,
-                                         const std::vector<std::string>& known,
-                                         const char* what) {
-    if (asked.empty()) return known;
-    std::set<std::size_t> places;
-    for (const std::string& name : asked) places.insert(index_of_name(name, known, what));
-    std::vector<std::string> out;
-    for (const std::size_t place : places) out.push_back(known[place]);
-    return out;
   }
 
   [[nodiscard]] bool has_lidar(const std::string& name) const {
@@ -253,8 +236,7 @@ class Importer {
 
   /// What must be known of all sweeps before the first is written: the Pandar64's spin, and how many points the
   /// PandarGT's largest has.
-  template <class Step>
-  void look_at_clouds(const Step& step) {
+  void survey_clouds(LogMaker& maker) {
     Spin spin;
     std::vector<Eigen::Vector3d> some;
     const std::size_t every = std::max<std::size_t>(1, kEvery * clouds_.size());
@@ -280,7 +262,7 @@ class Importer {
         }
         before_s = own->second.first_s();
       }
-      step();
+      maker.step();
     }
     if (spin.points > 0.0) add_pandar64(spin, some);
     if (!fullest.empty()) add_list(fullest, farthest_m);
@@ -322,13 +304,11 @@ class Importer {
     log_.lidars.push_back({std::move(list), mount_of_list()});
   }
 
-  /// When a sweep of those points began and ended, s.
-  using Span = std::pair<double, double>;
   /// Channels look to different sides and files are cut by azimuth: the last points are from the next turn.
-  [[nodiscard]] static Span usual_span(const PointFrame& points) {
+  [[nodiscard]] static FrameSpan usual_span(const PointFrame& points) {
     return {points.first_s(), points.first_s() + kUsualSweep_s};
   }
-  [[nodiscard]] static Span whole_span(const PointFrame& points) {
+  [[nodiscard]] static FrameSpan whole_span(const PointFrame& points) {
     return {points.first_s(), std::max(points.last_s(), points.first_s() + 1e-6)};
   }
   [[nodiscard]] static Pose mount_of_list() { return rig_from_pandar64() * pandar64_from_pandargt(); }
@@ -336,34 +316,34 @@ class Importer {
   /// As the sensor saw them, each at its own time.
   [[nodiscard]] std::vector<MeasuredPoint> measured(const PointFrame& points,
                                                     const Pose& rig_from_sensor,
-                                                    const Span& span) const {
+                                                    const FrameSpan& span) const {
     std::vector<MeasuredPoint> out(points.position.size());
     for (std::size_t i = 0; i < out.size(); ++i) {
       const Pose world_from_sensor = whole_path_.at(points.time_s[i]) * rig_from_sensor;
       out[i].position = world_from_sensor.inverse() * points.position[i];
       out[i].intensity = points.intensity[i];
-      out[i].time_fraction = (points.time_s[i] - span.first) / (span.second - span.first);
+      out[i].time_fraction =
+          (points.time_s[i] - span.time_start_s) / (span.time_end_s - span.time_start_s);
     }
     return out;
   }
 
-  void add_cloud(std::size_t number, const fs::path& file) {
+  void add_cloud(std::size_t number, const fs::path& file, LogMaker& maker) {
     const auto points = read_points(file, frame_);
     for (const LogLidar& lidar : log_.lidars) {
       const bool is_list = std::holds_alternative<RayList>(lidar.model);
       const auto own = points.find(is_list ? PointSource::kPandarGt : PointSource::kPandar64);
       if (own == points.end() || (is_list && repeated_.contains(number))) continue;
-      const Span span = is_list ? whole_span(own->second) : usual_span(own->second);
+      const FrameSpan span = is_list ? whole_span(own->second) : usual_span(own->second);
       const std::vector<MeasuredPoint> seen = measured(own->second, lidar.rig_from_lidar, span);
-      const std::string name = fmt::format("sweeps/{}_{:06}.exr", name_of(lidar.model), number);
+      const std::string name = name_of(lidar.model), stem = fmt::format("{}_{:06}", name, number);
       if (is_list) {
-        put_sweep(log_, name, listed(seen));
+        maker.add_sweep(name, stem, listed(seen), span);
       } else {
         Lidar model = lidar.with_rows();
         model.sweep_s = kUsualSweep_s;
-        put_sweep(log_, name, grid_points(seen, model, report_.points));
+        maker.add_sweep(name, stem, grid_points(seen, model, report_.points), span);
       }
-      log_.sweeps.push_back({name_of(lidar.model), name, span.first, span.second});
     }
     const auto labels = labels_.find(number);
     if (labels == labels_.end()) return;
@@ -392,7 +372,7 @@ class Importer {
     return sweep;
   }
 
-  void add_picture(const Picture& picture) {
+  void add_picture(const Picture& picture, LogMaker& maker) {
     Camera& camera = std::find_if(log_.cameras.begin(), log_.cameras.end(), [&](const LogCamera& c) {
                        return c.model.name == picture.camera;
                      })->model;
@@ -402,10 +382,12 @@ class Importer {
       camera.height = first.height;
       validate(camera, (picture.file.parent_path() / "intrinsics.json").string());
     }
-    const std::string name = fmt::format("images/{}_{:06}.jpg", picture.camera, picture.number);
-    put_picture(log_, picture.file, name, camera, picture.camera + "'s first picture");
     const double stamp_s = frame_.seconds(stamps_.at(picture.camera)[picture.number]);
-    log_.images.push_back({picture.camera, name, stamp_s + kReadFrom_s, stamp_s + kReadTo_s});
+    maker.add_picture(camera,
+                      fmt::format("{}_{:06}", picture.camera, picture.number),
+                      picture.file,
+                      picture.camera + "'s first picture",
+                      {stamp_s + kReadFrom_s, stamp_s + kReadTo_s});
   }
 
   void hide_vehicle() {
@@ -432,7 +414,7 @@ class Importer {
 }  // namespace
 
 Log import_pandaset(const PandasetOptions& options,
-                    const std::function<void(std::size_t, std::size_t)>& progress,
+                    const FrameProgress& progress,
                     PandasetReport& report) {
   return Importer(options, report).write(progress);
 }

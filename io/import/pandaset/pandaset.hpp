@@ -1,13 +1,13 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "io/import/points/point_grid.hpp"
 #include "io/import/points/unit_offset.hpp"
+#include "io/log/label_tracks.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {
@@ -50,8 +50,8 @@ struct PandasetReport {
   std::size_t list_repeated = 0;  // rays that say a point again, to make that many
   std::size_t list_again = 0;     // sweeps that another frame has, too; left out
   // Boxes.
-  std::size_t boxes = 0;           // in the log
-  std::size_t boxes_twice = 0;     // of an object that another one shows at that time; left out
+  LabelReport labels;
+  std::size_t boxes_twice = 0;     // of the PandarGT, of objects that the Pandar64 shows in that frame; left out
   std::size_t boxes_by_front = 0;  // without a point inside: at the time of the front camera
 };
 
@@ -66,7 +66,7 @@ struct PandasetReport {
 /// Files that are not there are gaps. Error{kInput} naming file and field for anything else that does not
 /// fit, and for more than 5 % of the Pandar64's points on no ray; Error{kUsage} for sensors that it has not.
 Log import_pandaset(const PandasetOptions& options,
-                    const std::function<void(std::size_t, std::size_t)>& progress,
+                    const FrameProgress& progress,
                     PandasetReport& report);
 
 }  // namespace simuli

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fmt/format.h>
 #include <optional>
@@ -7,7 +6,6 @@
 
 #include "host/core/base/angles.hpp"
 #include "host/core/base/error.hpp"
-#include "host/core/base/names.hpp"
 #include "host/core/base/spread.hpp"
 #include "io/import/pandaset/pandaset_parts.hpp"
 
@@ -70,15 +68,6 @@ std::vector<Label> labels_of(const DataFrame& table, const std::string& file, co
   return out;
 }
 
-/// "pedestrian_with_object_3".
-std::string name_of(const std::string& kind, std::size_t number) {
-  std::string name = name_from(fmt::format("{}_{}", kind, number));
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) {
-    return c == ' ' ? '_' : static_cast<char>(std::tolower(c));
-  });
-  return name;
-}
-
 }  // namespace
 
 void Boxes::add(const DataFrame& table,
@@ -103,40 +92,14 @@ void Boxes::add(const DataFrame& table,
       if (!time_s && own != points.end()) time_s = time_inside(own->second, label);
     }
     if (!time_s) ++by_front_;
-    const auto [entry, is_new] = index_.emplace(label.object, objects_.size());
-    if (is_new) {
-      objects_.emplace_back();
-      objects_.back().actor.name = name_of(label.kind, entry->second);
-      objects_.back().actor.kind = label.kind;
-    }
-    Object& object = objects_[entry->second];
-    for (int side = 0; side < 3; ++side) object.sizes[side].push_back(label.size_m[side]);
-    KeyPose key;
-    key.time_s = time_s.value_or(front_s);
-    key.world_from_actor = label.world_from_box;
-    object.actor.track.push_back(key);
+    tracks_.add(label.object, label.kind, {time_s.value_or(front_s), label.world_from_box}, label.size_m);
   }
 }
 
 std::vector<Actor> Boxes::take(const std::string& file, PandasetReport& report) {
-  std::vector<Actor> out;
-  for (Object& object : objects_) {
-    Actor& actor = object.actor;
-    for (int side = 0; side < 3; ++side) actor.size_m[side] = upper_median(std::move(object.sizes[side]));
-    std::stable_sort(actor.track.begin(), actor.track.end(), [](const KeyPose& a, const KeyPose& b) {
-      return a.time_s < b.time_s;
-    });
-    const auto is_same = [](const KeyPose& a, const KeyPose& b) { return a.time_s == b.time_s; };
-    const auto kept = std::unique(actor.track.begin(), actor.track.end(), is_same);
-    twice_ += static_cast<std::size_t>(actor.track.end() - kept);
-    actor.track.erase(kept, actor.track.end());
-    validate(actor, file);
-    report.boxes += actor.track.size();
-    out.push_back(std::move(actor));
-  }
   report.boxes_twice = twice_;
   report.boxes_by_front = by_front_;
-  return out;
+  return tracks_.take(file, report.labels);
 }
 
 }  // namespace simuli::pandaset

@@ -66,12 +66,7 @@ class Boxes {
   [[nodiscard]] std::vector<Actor> take(const std::string& file, PandasetReport& report);
 
  private:
-  struct Object {
-    Actor actor;
-    std::vector<double> sizes[3];
-  };
-  std::map<std::string, std::size_t> index_;  // by uuid
-  std::vector<Object> objects_;
+  LabelTracks tracks_;
   std::size_t twice_ = 0, by_front_ = 0;
 };
 

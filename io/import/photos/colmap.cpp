@@ -330,7 +330,7 @@ PhotoSet read_colmap(const ColmapOptions& options) {
 }
 
 Log import_colmap(const ColmapOptions& options,
-                  const std::function<void(std::size_t, std::size_t)>& progress,
+                  const FrameProgress& progress,
                   PhotoReport& report) {
   return write_photo_log(read_colmap(options), options.metres_per_unit, options.output, progress, report);
 }

@@ -1,6 +1,5 @@
 #pragma once
 #include <filesystem>
-#include <functional>
 
 #include "io/import/photos/photo_log.hpp"
 
@@ -19,7 +18,7 @@ struct ColmapOptions {
 [[nodiscard]] PhotoSet read_colmap(const ColmapOptions& options);
 /// Imports it with its photographs as write_photo_log() says.
 Log import_colmap(const ColmapOptions& options,
-                  const std::function<void(std::size_t, std::size_t)>& progress,
+                  const FrameProgress& progress,
                   PhotoReport& report);
 
 }  // namespace simuli

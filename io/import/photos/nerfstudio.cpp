@@ -206,7 +206,7 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
 }
 
 Log import_nerfstudio(const NerfstudioOptions& options,
-                      const std::function<void(std::size_t, std::size_t)>& progress,
+                      const FrameProgress& progress,
                       PhotoReport& report) {
   return write_photo_log(read_nerfstudio(options), options.metres_per_unit, options.output, progress, report);
 }

@@ -148,7 +148,7 @@ bool is_before(const std::string& a, const std::string& b) {
 Log write_photo_log(PhotoSet set,
                     double metres_per_unit,
                     const fs::path& output,
-                    const std::function<void(std::size_t, std::size_t)>& progress,
+                    const FrameProgress& progress,
                     PhotoReport& report) {
   keep_present(set, report);
   resize_cameras(set);
@@ -182,13 +182,13 @@ Log write_photo_log(PhotoSet set,
   log.world_from_rig = Trajectory(std::move(path));
   for (const Camera& camera : set.cameras) log.cameras.push_back({camera, {kForwardFromCamera, {0, 0, 0}}});
   return make_import(output, log, [&] {
+    LogMaker maker(log, progress, set.photos.size());
     for (std::size_t i = 0; i < set.photos.size(); ++i) {
-      const Photo& photo = set.photos[i];
-      const Camera& camera = set.cameras[photo.camera];
-      const std::string file = fmt::format("images/{:06}{}", i, photo.file.extension().string());
-      put_picture(log, photo.file, file, camera, "camera " + camera.name);
-      log.images.push_back({camera.name, file, static_cast<double>(i), static_cast<double>(i)});
-      if (progress) progress(i + 1, set.photos.size());
+      const Camera& camera = set.cameras[set.photos[i].camera];
+      const auto time_s = static_cast<double>(i);
+      maker.add_picture(
+          camera, fmt::format("{:06}", i), set.photos[i].file, "camera " + camera.name, {time_s, time_s});
+      maker.step();
     }
     if (!set.points.empty()) {
       log.points = "points.ply";

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -47,7 +46,7 @@ struct PhotoReport {
 Log write_photo_log(PhotoSet set,
                     double metres_per_unit,
                     const std::filesystem::path& output,
-                    const std::function<void(std::size_t, std::size_t)>& progress,
+                    const FrameProgress& progress,
                     PhotoReport& report);
 
 }  // namespace simuli

@@ -237,7 +237,7 @@ void fit_table(
 }  // namespace
 
 Log import_points(const PointsOptions& options,
-                  const std::function<void(std::size_t, std::size_t)>& progress,
+                  const FrameProgress& progress,
                   PointReport& report) {
   Layout layout;
   Log log = read_description(options.folder, layout);
@@ -251,28 +251,29 @@ Log import_points(const PointsOptions& options,
     *rows = std::move(fitted);
   }
   return make_import(options.output, log, [&] {
-    const std::size_t total = log.images.size() + log.sweeps.size();
-    std::size_t done = 0;
-    const auto step = [&] {
-      if (progress) progress(++done, total);
-    };
-    for (std::size_t i = 0; i < log.sweeps.size(); ++i) {
-      SweepFrame& sweep = log.sweeps[i];
+    const std::vector<SweepFrame> sweeps = std::exchange(log.sweeps, {});
+    const std::vector<ImageFrame> images = std::exchange(log.images, {});
+    LogMaker maker(log, progress, images.size() + sweeps.size());
+    for (std::size_t i = 0; i < sweeps.size(); ++i) {
+      const SweepFrame& sweep = sweeps[i];
       Lidar lidar = log.lidar(sweep.lidar).with_rows();
       lidar.sweep_s = sweep.time_end_s - sweep.time_start_s;
       std::vector<MeasuredPoint> points = read_points(options.folder / sweep.file, layout, lidar);
       if (layout.in_world) put_into_sensor(points, sweep, log);
-      sweep.file = fmt::format("sweeps/{:06}.exr", i);
-      put_sweep(log, sweep.file, grid_points(points, lidar, report));
-      step();
+      maker.add_sweep(sweep.lidar,
+                      fmt::format("{:06}", i),
+                      grid_points(points, lidar, report),
+                      {sweep.time_start_s, sweep.time_end_s});
+      maker.step();
     }
     need_placed(report, source.string());
-    for (std::size_t i = 0; i < log.images.size(); ++i) {
-      ImageFrame& image = log.images[i];
-      const fs::path from = options.folder / image.file;
-      image.file = fmt::format("images/{:06}{}", i, from.extension().string());
-      put_picture(log, from, image.file, log.camera(image.camera).model, source.string());
-      step();
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      maker.add_picture(log.camera(images[i].camera).model,
+                        fmt::format("{:06}", i),
+                        options.folder / images[i].file,
+                        source.string(),
+                        {images[i].time_start_s, images[i].time_end_s});
+      maker.step();
     }
     const auto bring = [&](const std::string& file, const std::string& name) {
       put_file(log, name, [&](const fs::path& to) {

@@ -19,7 +19,6 @@
 // are is found in the points.
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 
 #include "io/import/points/point_grid.hpp"
 
@@ -34,7 +33,7 @@ struct PointsOptions {
 /// Error{kInput} naming file and field for what does not fit, and for more than 5 % of all points unplaced:
 /// another sensor than the table says.
 Log import_points(const PointsOptions& options,
-                  const std::function<void(std::size_t, std::size_t)>& progress,
+                  const FrameProgress& progress,
                   PointReport& report);
 
 }  // namespace simuli

@@ -51,7 +51,7 @@ void FrameWriter::survey(const Scan& scan,
 void FrameWriter::write(const std::map<std::string, RecordedLidar>& lidars,
                         const std::map<std::string, RecordedCamera>& cameras,
                         const CloudFieldOptions& fields,
-                        const std::function<void(std::size_t, std::size_t)>& progress) {
+                        const FrameProgress& progress) {
   std::size_t done = 0;
   const auto is_asked = [&](const BagChannel& c) {
     return c.type == kPointCloud2
@@ -118,11 +118,10 @@ void FrameWriter::add_cloud(const BagChannel& channel,
     sweep = grid_points(measured(points, lidar, file_, channel.topic), lidar.model, report_.points);
   });
   if (!is || !sweep) return;
-  log_.sweeps.push_back({lidar.model.name,
-                         fmt::format("sweeps/{}_{:06d}.exr", lidar.model.name, report_.sweeps++),
-                         start_s,
-                         end_s});
-  put_sweep(log_, log_.sweeps.back().file, *sweep);
+  LogMaker(log_, {}, 0).add_sweep(lidar.model.name,
+                                  fmt::format("{}_{:06d}", lidar.model.name, report_.sweeps++),
+                                  *sweep,
+                                  {start_s, end_s});
 }
 
 void FrameWriter::add_picture(const BagChannel& channel,

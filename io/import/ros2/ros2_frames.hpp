@@ -39,7 +39,7 @@ class FrameWriter {
   void write(const std::map<std::string, RecordedLidar>& lidars,
              const std::map<std::string, RecordedCamera>& cameras,
              const CloudFieldOptions& fields,
-             const std::function<void(std::size_t, std::size_t)>& progress);
+             const FrameProgress& progress);
 
   /// How many frames there are.
   std::size_t total = 0;

@@ -50,7 +50,7 @@ class Importer {
         bag_(open_bag(options.recording)),
         scan_(scan_bag(*bag_, options)) {}
 
-  Log run(const std::function<void(std::size_t, std::size_t)>& progress) {
+  Log run(const FrameProgress& progress) {
     if (options_.output.empty()) return survey();
     choose();
     return make_import(options_.output, log_, [&] {
@@ -60,7 +60,6 @@ class Importer {
       writer.write(lidars_, cameras_, field_options(options_), progress);
       if (log_.images.empty() && log_.sweeps.empty()) need_common_clock();
       need_placed(report_.points, file_);
-      sort_by_time(log_);
     });
   }
 
@@ -462,7 +461,7 @@ class Importer {
 }  // namespace
 
 Log import_ros2(const Ros2Options& options,
-                const std::function<void(std::size_t, std::size_t)>& progress,
+                const FrameProgress& progress,
                 Ros2Report& report) {
   return Importer(options, report).run(progress);
 }

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -70,7 +69,7 @@ struct Ros2Report {
 /// frame) and one for the frames of transforms; what Error{kInput} and Error{kNothing} would say is the last, with a
 /// log that is empty.
 Log import_ros2(const Ros2Options& options,
-                const std::function<void(std::size_t, std::size_t)>& progress,
+                const FrameProgress& progress,
                 Ros2Report& report);
 
 }  // namespace simuli

@@ -1,8 +1,8 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 
+#include "io/log/label_tracks.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli {
@@ -16,6 +16,7 @@ struct WaymoReport {
   std::size_t frames = 0;
   std::size_t rays = 0;      // of all firing grids
   std::size_t returned = 0;  // of these
+  LabelReport labels;
 };
 
 /// Imports a segment of the Waymo Open Dataset: all cameras (rolling shutters, from the middle of the first
@@ -24,7 +25,7 @@ struct WaymoReport {
 /// are taken to count from the centre of the first pixel, as OpenCV's. Error{kInput} naming the file and the
 /// message that does not fit.
 Log import_waymo(const WaymoOptions& options,
-                 const std::function<void(std::size_t, std::size_t)>& progress,
+                 const FrameProgress& progress,
                  WaymoReport& report);
 
 }  // namespace simuli

@@ -89,12 +89,12 @@ class DataSet {
     table["category"] = {{{"token", "car"}, {"name", "vehicle.car"}}};
     table["instance"] = {{{"token", "i"}, {"category_token", "car"}}};
     table["sample_annotation"] = Json::array();
-    for (const char* sample : {"b", "a"}) {  // not in order of time
+    for (const char* sample : {"b", "a", "b"}) {  // not in time order, one label repeated
       table["sample_annotation"].push_back({{"token", sample},
                                             {"sample_token", sample},
                                             {"instance_token", "i"},
                                             {"translation", {20.0, *sample == 'a' ? 0.0 : 5.0, 0.8}},
-                                            {"size", {1.9, 4.5, 1.6}},
+                                            {"size", {1.9, *sample == 'a' ? 4.0 : 4.5, 1.6}},
                                             {"rotation", {1, 0, 0, 0}}});
     }
     for (const int i : {0, 1}) {
@@ -171,7 +171,10 @@ TEST(Nuscenes, ASceneBecomesALog) {
 
   ASSERT_EQ(log.actors.size(), 1U);
   EXPECT_EQ(log.actors[0].name, "car_0");
-  EXPECT_EQ(log.actors[0].size_m, Eigen::Vector3d(4.5, 1.9, 1.6));
+  EXPECT_EQ(log.actors[0].size_m, Eigen::Vector3d(4.5, 1.9, 1.6));  // the median of 4.5, 4 and 4.5 m
+  EXPECT_EQ(log.actors[0].track.size(), 2U);
+  EXPECT_EQ(report.labels.kept, 2U);
+  EXPECT_EQ(report.labels.repeated, 1U);
   EXPECT_NEAR(log.actors[0].at(0.238).translation.y(), 2.5, 1e-6);
 
   fs::create_directories(data.write() / "sweeps/LIDAR_TOP/absent.pcd.bin");

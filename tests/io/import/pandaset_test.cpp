@@ -68,7 +68,8 @@ TEST(Pandaset, ASequenceBecomesALog) {
     const Eigen::Vector3d ahead = key.world_from_actor.rotation * Eigen::Vector3d::UnitX();
     EXPECT_NEAR(std::abs(ahead.y()), 1.0, 1e-6);  // yaw 0.8 is the drive's: the box stands across
   }
-  EXPECT_EQ(report.boxes, 6U);
+  EXPECT_EQ(report.labels.kept, 6U);
+  EXPECT_EQ(report.labels.repeated, 0U);
   EXPECT_EQ(report.boxes_twice, 2U);
   EXPECT_EQ(report.boxes_by_front, 3U);
 }

@@ -157,6 +157,13 @@ void need_output(std::filesystem::path& output, bool is_survey) {
   if (output.empty() && !is_survey) refuse("--output", "", "a folder to write, or --survey");
 }
 
+void add_label_line(const LabelReport& report, std::vector<std::string>& lines) {
+  if (report.repeated == 0) return;
+  lines.push_back(fmt::format("left out: {} of {} labels, whose actors have another label at the same time",
+                              report.repeated,
+                              report.kept + report.repeated));
+}
+
 void print_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json) {
   if (!is_survey || !json) {
     for (const std::string& note : notes) (is_survey ? std::cout : std::cerr) << on_one_line(note) << '\n';

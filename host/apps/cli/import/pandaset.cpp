@@ -53,7 +53,7 @@ std::vector<std::string> print_pandaset(const PandasetReport& r) {
   lines.push_back(fmt::format(
       "{} boxes; left out: {} of the second LiDAR, of what the first one's boxes show; {} without a "
       "point, at the time of the front camera",
-      r.boxes,
+      r.labels.kept,
       r.boxes_twice,
       r.boxes_by_front));
   return lines;

@@ -50,7 +50,7 @@ std::pair<std::string, Ros2Shutter> shutter_of(const std::string& text) {
 }
 
 Log import_recording(Ros2Command asked,
-                     const std::function<void(std::size_t, std::size_t)>& progress,
+                     const FrameProgress& progress,
                      Ros2Report& report) {
   for (const std::string& text : asked.tables) asked.lidars.push_back(lidar_of(text));
   for (const std::string& text : asked.mountings) {

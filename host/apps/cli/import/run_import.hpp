@@ -13,12 +13,16 @@
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/apps/cli/info/info.hpp"
 #include "io/import/points/point_grid.hpp"
+#include "io/log/label_tracks.hpp"
 #include "io/log/log.hpp"
 
 namespace simuli::cli {
 
-/// What became of what was recorded, a line each, then the log. The lines of an import are on stderr, of a survey
-/// on stdout; JSON has them as "notes", too.
+/// Adds a line on the labels left out, if there are any.
+void add_label_line(const LabelReport& report, std::vector<std::string>& lines);
+
+/// Prints `notes`, the lines on the recorded data, and then the log. The notes of an import are printed to stderr,
+/// those of a survey to stdout; the JSON output holds them as "notes", too.
 void print_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json);
 
 /// --output and --survey, which leaves `output` empty once `command` runs; Error{kUsage} then without either.
@@ -30,15 +34,16 @@ inline void add_output(Command command, std::filesystem::path& output, bool& is_
 }
 void need_output(std::filesystem::path& output, bool is_survey);
 
-/// What every import has and does: `run(options, progress, report)` returns the log, or what it would be where
-/// options.output is empty; `tell(report)` says what became of what was recorded.
-template <class Report, class Options, class Run, class Tell>
+/// Adds the options and the run function that all imports share. `run(options, progress, report)` returns the log; with
+/// an empty options.output it returns the log that would be written. `describe(report)` returns lines on the recorded
+/// data that were imported and left out.
+template <class Report, class Options, class Run, class Describe>
 void add_run(Command command,
              const char* name,
              const std::shared_ptr<Options>& options,
              const Globals& globals,
              const Run& run,
-             const Tell& tell) {
+             const Describe& describe) {
   const auto is_survey = std::make_shared<bool>(false);
   add_output(command, options->output, *is_survey, "log");
   command.run([=, &globals] {
@@ -48,7 +53,9 @@ void add_run(Command command,
     Report report;
     const Log log = run(asked, progress.callback(), report);
     progress.finish();
-    print_import(log, tell(report), *is_survey, globals.json);
+    std::vector<std::string> lines = describe(report);
+    if constexpr (requires { report.labels; }) add_label_line(report.labels, lines);
+    print_import(log, lines, *is_survey, globals.json);
   });
 }
 
