@@ -40,11 +40,9 @@ set(SIMULI_CL_FILES
   math/shutter.h
   math/tile.h
   math/tile_walk.h
-  math/unscented.h
   math/window.h
   kernels/actor.cl
   kernels/adam.cl
-  kernels/anchor.cl
   kernels/off_trajectory.cl
   kernels/bin.cl
   kernels/color_grid.cl
@@ -77,3 +75,12 @@ set(SIMULI_CL_FILES
   kernels/sort.cl
   kernels/support.cl
 )
+# The paper's box extents and anchoring loss; without them SIMULI_PAPER is off.
+set(SIMULI_CL_PAPER_FILES
+  paper/anchor.cl
+  paper/project.cl
+  paper/unscented.h
+)
+if(NOT DEFINED SIMULI_PAPER OR SIMULI_PAPER)
+  list(APPEND SIMULI_CL_FILES ${SIMULI_CL_PAPER_FILES})
+endif()

@@ -6,6 +6,7 @@
 #include "bench/particles/particle_street.hpp"
 #include "io/synth/street.hpp"
 #include "optim/train/memory.hpp"
+#include "optim/train/paper/anchor_stage.hpp"
 #include "optim/train/trainer.hpp"
 
 namespace simuli::bench {
@@ -51,9 +52,9 @@ Scene bench_scene(std::int64_t particles) {
 double anchor_search_ms(const Device& device, const Scene& scene) {
   const ParticleBuffers camera(device, scene.camera, Precision::kFloat);
   const ParticleBuffers lidar(device, scene.lidar, Precision::kFloat);
-  AnchorStage anchor(device, Precision::kFloat, Structure::kAnchorNeighbours);
+  AnchorStage anchor(device, Precision::kFloat, kAnchorNeighbours);
   const auto search = [&] {
-    anchor.assign(camera, lidar, Structure::kAnchorReach_m);
+    anchor.assign(camera, lidar, kAnchorReach_m);
     device.finish();
   };
   search();  // the first launches compile

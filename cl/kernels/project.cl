@@ -4,7 +4,6 @@
 #include "math/extent.h"
 #include "math/footprint.h"
 #include "math/sh.h"
-#include "math/unscented.h"
 
 /// Returns 2 ln(opacity / alpha cut), the largest squared distance in standard deviations at which a particle
 /// contributes.
@@ -63,34 +62,6 @@ FN I may_be_seen(const FrameParams* frame,
   visible = AND(visible, OR(OR(tangent2 <= R(0.0), all_round), centre[2] >= limit));
 #endif
   return visible;
-}
-
-/// Bounds of particles on the sensor. Where x is periodic, a particle has two positions: at the cut of a sweep
-/// it is visible from the pose at the start and from the pose at the end (the unrolled spin angle of METHOD
-/// section 3).
-FN void bounds_of(const FrameParams* frame,
-                  __global const SensorConstants* sensor,
-                  __global const real* normal_samples,
-                  const Gaussian* g,
-                  const F* centre,
-                  F reach,
-                  F radius,
-                  I visible,
-                  Bounds* box) {
-#if EXTENT == EXTENT_EXACT
-  exact_bounds(frame, sensor, g, reach, radius, box);
-#else
-  const I known = unscented_bounds(frame, sensor, normal_samples, g, centre, reach, radius, visible, box);
-  if (ANY(AND(visible, NOT(known)))) {
-    Bounds all;
-    exact_bounds(frame, sensor, g, reach, radius, &all);
-    box->mean_x = SEL(known, box->mean_x, all.mean_x);
-    box->other_x = SEL(known, box->other_x, all.other_x);
-    box->half_x = SEL(known, box->half_x, all.half_x);
-    box->low = SEL(known, box->low, all.low);
-    box->high = SEL(known, box->high, all.high);
-  }
-#endif
 }
 
 /// Writes a record [SIM_RECORD][V] except its features.
@@ -240,7 +211,11 @@ __kernel void project(const FrameParams frame,
 
   call_for_sh(params, frame.stride, i);
   Bounds box;
-  bounds_of(&frame, sensor, normal_samples, &g, centre, reach, radius, visible, &box);
+#if EXTENT == EXTENT_EXACT
+  exact_bounds(&frame, sensor, &g, reach, radius, &box);
+#else  // paper/project.cl
+  unscented_or_exact_bounds(&frame, sensor, normal_samples, &g, centre, reach, radius, visible, &box);
+#endif
 
   F towards[3];
   view_direction(&g, towards);

@@ -5,7 +5,8 @@
 // by the largest shift. All bounds are conservative.
 #ifndef SIMULI_CL_MATH_ELLIPSOID_H
 #define SIMULI_CL_MATH_ELLIPSOID_H
-#include "math/unscented.h"
+#include "math/gaussian.h"
+#include "math/shutter.h"
 
 /// The ellipsoid p + sum_k z_k a_k, |z| <= 1, in the sensor frame. Its matrix B = sum_k a_k a_k^T is enlarged
 /// to share * B + more * I, which contains the ellipsoid shifted by up to `shift`.

@@ -7,7 +7,7 @@
 #define EXTENT_UNSCENTED 0
 #define EXTENT_EXACT 1
 #ifndef EXTENT
-#define EXTENT EXTENT_UNSCENTED
+#define EXTENT EXTENT_EXACT
 #endif
 
 // Margin for float rounding added to the mathematical bounds (share of the half width, px, rad).
@@ -15,7 +15,15 @@
 #define PAD_PX R(0.02)
 #define PAD_RAD R(3e-6)
 
-/// Bounds in pixels or rad.
+/// Bounds of a particle on the sensor, px or rad: x within half_x of either position, y in [low, high]. Where x is
+/// periodic, a particle has two positions: at the cut of a sweep it is visible from the pose at the start and from
+/// the pose at the end (the unrolled spin angle of METHOD section 3).
+typedef struct {
+  F mean_x, other_x, half_x;  // other_x differs from mean_x only where x is periodic
+  F low, high;
+} Bounds;
+
+/// Bounds of one of the two positions, pixels or rad.
 typedef struct {
   F mean_x, half_x, low, high;
 } Extent;

@@ -11,11 +11,11 @@
 #include "host/device/render/rays/ray_mask.hpp"
 #include "host/device/render/scene/renderer.hpp"
 #include "host/device/render/train/adam.hpp"
-#include "host/device/render/train/anchor.hpp"
 #include "host/device/render/train/densify.hpp"
 #include "host/device/render/train/loss_stages.hpp"
 #include "host/device/render/train/shard_sum.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/train/paper/anchors.hpp"
 #include "optim/train/structure.hpp"
 #include "optim/train/trained_appearance.hpp"
 #include "optim/train/trained_set.hpp"
@@ -251,15 +251,8 @@ void add_off_trajectory(Tally& tally, const Counts& counts, std::uint64_t camera
 }
 
 void add_structure(const Device& device, Tally& tally, const Counts& counts, const TrainOptions& options) {
-  if (options.anchor.weight > 0.0 && counts.camera > 0 && counts.lidar > 0) {
-    tally.add("anchors",
-              AnchorBuffers(device),
-              {counts.camera,
-               Structure::kAnchorNeighbours,
-               counts.lidar,
-               chunks_of(device, counts.lidar).work_items,
-               chunks_of(device, counts.camera).work_items});
-  }
+  for (const BufferBytes& buffer : anchor_bytes(device, options, counts.camera, counts.lidar))
+    tally.add("anchors", buffer);
   if (options.densify.epochs > 0.0) {
     const std::uint64_t most = counts.most();
     tally.add("relocation", DensifyBuffers(device), {most, most, chunks_of(device, most).work_items});

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "optim/train/paper/anchors.hpp"
+
 namespace simuli {
 namespace {
 
-// Iterations between searches for candidates, and between choices of the nearest candidate.
-constexpr int kSearchEvery = 1000, kChooseEvery = 10;
 constexpr int kFirstDensified = 2;  // in multiples of densify.epochs, after the initial errors have fallen
 
 }  // namespace
@@ -36,37 +36,14 @@ Structure::Structure(const Device& device,
       camera_(camera),
       lidar_(lidar),
       camera_start_(camera.particles.count),
-      lidar_start_(lidar.particles.count) {
-  if (options.anchor.weight > 0.0 && camera.particles.count > 0 && lidar.particles.count > 0) {
-    anchor_.emplace(device, Precision::kFloat, kAnchorNeighbours);
-  }
+      lidar_start_(lidar.particles.count),
+      hook_(make_anchors(device, options, camera, lidar)) {
   if (options.densify.epochs > 0.0) densify_.emplace(device, Precision::kFloat);
 }
 
 bool Structure::collects_errors(SetNumber number, int iteration) const {
   return densify_ && (number == kCameraSet || options_.densify.lidar) &&
          iteration < DensifyOptions::kLastShare * options_.iterations;
-}
-
-void Structure::find_anchors(int iteration, bool lidar_pruned) {
-  if (!anchor_ || (iteration % kSearchEvery != 0 && !lidar_pruned)) return;
-  anchor_->assign(camera_.particles, lidar_.particles, kAnchorReach_m);
-}
-
-void Structure::add_anchor_gradient(const Pass& pass, int iteration) {
-  // The mean is over all particles; particles outside the frame take no step and need no gradient.
-  anchor(pass.buffers().projected.keys, options_.anchor.weight / camera_.particles.count, iteration);
-}
-
-void Structure::settle_anchors(const Buffer<std::uint32_t>& keys, int iteration) {
-  // The gradients have been consumed: weight 0 only updates the choices.
-  anchor(keys, 0.0, iteration);
-}
-
-void Structure::anchor(const Buffer<std::uint32_t>& keys, double weight, int iteration) {
-  if (!anchor_) return;
-  anchor_->add_gradient(
-      camera_.particles, lidar_.particles, keys, weight, iteration % kChooseEvery == 0, camera_.grads);
 }
 
 void Structure::jitter(TrainedSet& set,
@@ -107,18 +84,10 @@ void Structure::densify(int iteration) {
                                                     added[number],
                                                     {seed_, static_cast<std::uint32_t>(iteration), number});
     set.fit_gradients();
-    if (number == kCameraSet && anchor_) {
-      densify_->follow(anchor_->candidates(), anchor_->neighbours());
-      densify_->follow(anchor_->nearest(), 1);
-    }
+    if (number == kCameraSet && hook_) hook_->relocate(*densify_);
     // Relocated and new particles are not in spatial order.
     const std::vector<Eigen::Index> order = set.put_in_order();
-    if (anchor_) {
-      if (number == kCameraSet)
-        anchor_->follow_set(order);
-      else
-        anchor_->follow_targets(order);
-    }
+    if (hook_) hook_->reorder(number, order);
     relocated_ += counts.relocated;
     grown_ += counts.grown;
   }
@@ -127,15 +96,13 @@ void Structure::densify(int iteration) {
 void Structure::report(TrainReport& report) const {
   report.relocated = relocated_;
   report.grown = grown_;
-  if (anchor_) report.anchor_m = anchor_->loss().mean_m();
+  if (hook_) hook_->report(report);
 }
 
 void Structure::add_state(StateList& list) {
   list.add("relocated", relocated_);
   list.add("grown", grown_);
-  if (!anchor_) return;
-  list.add("anchor/candidates", anchor_->candidates());
-  list.add("anchor/nearest", anchor_->nearest());
+  if (hook_) hook_->add_state(list);
 }
 
 }  // namespace simuli

@@ -1,15 +1,16 @@
 #pragma once
-// Changes of the particle sets during training: relocation, growth, jitter, and the paper's anchoring.
+// Changes of the particle sets during training: relocation, growth, jitter.
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "host/device/render/scene/renderer.hpp"
-#include "host/device/render/train/anchor.hpp"
 #include "host/device/render/train/densify.hpp"
-#include "optim/train/train_report.hpp"
 #include "optim/base/state.hpp"
+#include "optim/train/set_hook.hpp"
 #include "optim/train/train_options.hpp"
+#include "optim/train/train_report.hpp"
 #include "optim/train/trained_set.hpp"
 
 namespace simuli {
@@ -19,10 +20,6 @@ namespace simuli {
 
 class Structure {
  public:
-  // Anchoring after the paper.
-  static constexpr std::uint32_t kAnchorNeighbours = 50;  // candidates of each particle
-  static constexpr double kAnchorReach_m = 2.0;  // particles farther from all LiDAR particles (sky) are not anchored
-
   /// Returns the iterations between densifications; `epoch` as in epoch_of().
   [[nodiscard]] static int densify_every(const DensifyOptions& options, std::size_t epoch);
 
@@ -39,14 +36,8 @@ class Structure {
   /// The stage that accumulates errors; exists when collects_errors().
   [[nodiscard]] DensifyStage& errors() { return *densify_; }
 
-  /// Updates the anchors when due or after LiDAR particles were pruned; call it before the steps of an
-  /// iteration.
-  void find_anchors(int iteration, bool lidar_pruned);
-  /// Adds the anchoring gradient of the particles visible in the pass to the camera set's gradients.
-  void add_anchor_gradient(const Pass& pass, int iteration);
-  /// Updates the anchor choices with the keys of all shards after their passes, so that all ranks have the same
-  /// choices.
-  void settle_anchors(const Buffer<std::uint32_t>& keys, int iteration);
+  /// The extension of this training; null without one.
+  [[nodiscard]] SetHook* hook() { return hook_.get(); }
   /// Adds random offsets to the particles visible in the frame of `keys`.
   void jitter(TrainedSet& set,
               SetNumber number,
@@ -61,7 +52,6 @@ class Structure {
   void add_state(StateList& list);
 
  private:
-  void anchor(const Buffer<std::uint32_t>& keys, double weight, int iteration);
   [[nodiscard]] std::uint32_t growth(SetNumber number) const;
 
   const TrainOptions& options_;
@@ -69,7 +59,7 @@ class Structure {
   std::uint64_t seed_;
   TrainedSet &camera_, &lidar_;
   double camera_start_, lidar_start_;  // initial particles
-  std::optional<AnchorStage> anchor_;  // only with anchoring
+  std::unique_ptr<SetHook> hook_;
   std::optional<DensifyStage> densify_;  // only with densification
   std::uint64_t relocated_ = 0, grown_ = 0;
 };

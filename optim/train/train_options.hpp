@@ -5,8 +5,9 @@
 
 #include "host/core/base/allowed.hpp"
 #include "host/device/render/options/options.hpp"
-#include "optim/train/length_options.hpp"
 #include "optim/actors/pose_rates.hpp"
+#include "optim/train/length_options.hpp"
+#include "optim/train/paper/anchor_options.hpp"
 #include "optim/train/schedule.hpp"
 #include "optim/train/structure_options.hpp"
 

@@ -53,7 +53,7 @@ void Trainer::step() {
   const double progress = static_cast<double>(s.status.iteration) / std::max(1, s.options.iterations);
   const bool prunes = is_prune_turn(s);
   if (prunes) prune(s);
-  s.structure.find_anchors(s.status.iteration, prunes);
+  if (SetHook* const hook = s.structure.hook()) hook->begin(s.status.iteration, prunes);
   read_ahead();
   for (const auto& loss_term : loss_terms_) {
     if (loss_term->is_due()) loss_term->step(shards_, progress);

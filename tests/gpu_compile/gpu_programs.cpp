@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "host/device/render/frame/variant.hpp"
+#include "host/device/render/frame/stages.hpp"
 #include "host/device/runtime/source.hpp"
 
 namespace simuli::test {
@@ -113,7 +113,8 @@ class List {
   void add_frame(const NamedVariant& frame) {
     const Variant& variant = frame.variant;
     const BuildOptions options = variant.build_options();
-    for (const char* path : {"kernels/project.cl", "kernels/rays.cl"}) add(frame.name, path, options);
+    add(frame.name, ProjectStage::file(variant.options.extent), options);
+    add(frame.name, "kernels/rays.cl", options);
     const bool in_order = variant.options.order == Order::kRange;
     add(frame.name, in_order ? "kernels/render.cl" : "kernels/render_window.cl", options);
     if (variant.options.order == Order::kPerRay) add(frame.name, "kernels/render_per_ray.cl", options);
@@ -165,7 +166,7 @@ std::vector<GpuProgram> gpu_programs() {
   for (const EmbeddedFile& file : embedded_files()) {
     const std::string path(file.path);
     const bool is_of_cpus = path == "kernels/render_bwd_lanes.cl";
-    if (path.rfind("kernels/", 0) != 0 || is_of_cpus || list.has(path)) continue;
+    if (!path.ends_with(".cl") || is_of_cpus || list.has(path)) continue;
     for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
       BuildOptions options;
       options.real(precision)
@@ -174,7 +175,7 @@ std::vector<GpuProgram> gpu_programs() {
           .define("LS",
                   path == "kernels/scan.cl"             ? 256
                   : path == "kernels/sort.cl"           ? 128
-                  : path == "kernels/anchor.cl"         ? 16
+                  : path == "paper/anchor.cl"           ? 16
                   : path.rfind("kernels/loss_", 0) == 0 ? 32
                                                         : 64)
           .define("RADIX_BITS", 8)

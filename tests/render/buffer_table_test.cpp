@@ -10,10 +10,10 @@
 #include "host/device/render/rays/ray_mask.hpp"
 #include "host/device/render/train/actor.hpp"
 #include "host/device/render/train/adam.hpp"
-#include "host/device/render/train/anchor.hpp"
 #include "host/device/render/train/densify.hpp"
 #include "host/device/render/train/loss_stages.hpp"
 #include "tests/cl/support.hpp"
+#include "optim/train/paper/anchor_stage.hpp"
 #include "tests/support/device.hpp"
 
 namespace simuli {

@@ -47,7 +47,8 @@ void LossTerm::step_particles(const Shards& shards) {
 void LossTerm::differentiate(Pass& pass, ShardPart& part, RealBuffer& error) {
   pass.backward(set_.particles, set_.grads, {.errors = errors_});
   if (errors_) state_.structure.errors().accumulate(pass.frame(), pass.buffers(), pass.gradients(), error);
-  if (number_ == kCameraSet) state_.structure.add_anchor_gradient(pass, state_.status.iteration);
+  SetHook* const hook = state_.structure.hook();
+  if (hook != nullptr && number_ == kCameraSet) hook->add_gradients(pass, state_.status.iteration);
   if (set_.particles.actors == 0) return;
   if (set_.poses.learns()) part.poses = pass.pose_gradients(set_.particles);
   if (set_.shapes.learns()) part.shapes = pass.deformation_gradients();
@@ -57,7 +58,8 @@ void LossTerm::step_set(const std::vector<ShardPart>& parts,
                       const std::vector<FrameTimes>& times,
                       const Shards& shards) {
   const int iteration = state_.status.iteration;
-  if (number_ == kCameraSet && parts.size() > 1) state_.structure.settle_anchors(shards.keys(), iteration);
+  SetHook* const hook = state_.structure.hook();
+  if (hook != nullptr && number_ == kCameraSet && parts.size() > 1) hook->finish_shards(shards.keys(), iteration);
   step_particles(shards);
   state_.structure.jitter(set_, number_, state_.rates(number_), shards.keys(), iteration, progress_);
   if (set_.particles.actors == 0) return;

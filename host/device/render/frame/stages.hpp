@@ -6,6 +6,7 @@
 
 #include "host/device/render/device/sort.hpp"
 #include "host/device/render/frame/frame_buffers.hpp"
+#include "host/device/render/frame/paper/normal_samples.hpp"
 #include "host/device/render/frame/particle_buffers.hpp"
 #include "host/device/render/frame/picture_buffers.hpp"
 #include "host/device/render/frame/variant.hpp"
@@ -39,19 +40,12 @@ class DeformStage {
   Kernel deform_;
 };
 
-/// Size of the random samples of the Monte Carlo projection, the same in every frame; 0 for other projections.
-struct SampleSizes {
-  std::uint64_t triples = 0;
-};
-struct SampleBuffers : BufferTable<SampleSizes> {
-  using BufferTable::BufferTable;
-  Reals normal_samples{*this, "normal_samples", [](const SampleSizes& s) { return 3 * s.triples; }};
-};
-
 /// 2. Projects particles: bounds on the sensor and blending records. Culls invisible clusters first. N -> N.
 class ProjectStage {
  public:
   ProjectStage(const Device& device, const Variant& variant);
+  /// Returns the kernel file for an extent.
+  [[nodiscard]] static const char* file(Extent extent);
   void run(const shared::FrameParams& frame,
            const ParticleBuffers& particles,
            const RayBuffers& rays,
@@ -85,10 +79,10 @@ class BinStage {
                     FrameSizes& sizes,
                     Binned& out);
   void list_pairs(const shared::FrameParams& frame,
-                      const RayBuffers& rays,
-                      const Projected& projected,
-                      FrameSizes& sizes,
-                      Binned& out);
+                  const RayBuffers& rays,
+                  const Projected& projected,
+                  FrameSizes& sizes,
+                  Binned& out);
   Device device_;
   std::size_t group_;  // work-items
   ScanStage scan_;

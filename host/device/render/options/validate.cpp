@@ -12,6 +12,12 @@ namespace simuli {
 
 void validate(const RenderOptions& options) {
   check_fields(options);
+#if !SIMULI_PAPER
+  if (options.extent == Extent::kUnscented) {
+    throw Error(ErrorKind::kUsage,
+                "render.extent: found unscented, allowed exact in builds without SIMULI_PAPER");
+  }
+#endif
   if (options.projection != Projection::kUnscented && options.extent == Extent::kExact) {
     throw Error(
         ErrorKind::kUsage,

@@ -8,19 +8,23 @@
 
 namespace simuli {
 
+// In trainings:
+constexpr std::uint32_t kAnchorNeighbours = 50;  // candidates of each particle
+constexpr double kAnchorReach_m = 2.0;  // particles farther from all LiDAR particles (sky) are not anchored
+
 /// Distances of visible particles to their anchors.
 struct AnchorLoss {
   double distance_m = 0.0;  // sum
-  double particles = 0.0;  // particles with an anchor
+  double particles = 0.0;   // particles with an anchor
 
   [[nodiscard]] double mean_m() const { return particles > 0.0 ? distance_m / particles : 0.0; }
 };
 
 /// Sizes of anchors.
 struct AnchorSizes {
-  std::uint64_t particles = 0;  // of the anchored set
+  std::uint64_t particles = 0;   // of the anchored set
   std::uint64_t neighbours = 0;  // per particle
-  std::uint64_t targets = 0;  // of the other set
+  std::uint64_t targets = 0;     // of the other set
   std::uint64_t bound_chunks = 0, loss_chunks = 0;
 
   static constexpr std::uint64_t kWidth = 16;  // points per leaf, children per node

@@ -1,4 +1,4 @@
-// anchor.cl - nearest neighbours of one set in another, and their distance as a loss. Launcher: host/device/render/train/anchor.cpp
+// anchor.cl - nearest neighbours of one set in another, and their distance as a loss. Launcher: optim/train/paper/anchor_stage.cpp
 // Points are sorted by Morton code (63 bits, 21 per axis), 16 per leaf and 16 leaves or nodes per node: a tree
 // of bounding boxes without pointers that suits clusters, lines and outliers as well as even clouds. Node i of
 // a level has the children 16 i .. 16 i + 15 of the level below; leaves are below level 0. Particles of actors

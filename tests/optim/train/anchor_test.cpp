@@ -1,5 +1,5 @@
 // Neighbours found by the tree against all distances computed, and the anchoring loss against differences.
-#include "host/device/render/train/anchor.hpp"
+#include "optim/train/paper/anchor_stage.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,12 +1,11 @@
-// unscented.h - a particle's box from mean and covariance of its projection (METHOD section 4).
+// unscented.h - extent = unscented: a particle's box from mean and covariance of its projection (METHOD section 4).
 // PROJECTION_UNSCENTED: seven sigma points, alpha = 1, beta = 2, kappa = 0, hence lambda = 0: mu and mu +-
 // sqrt(3) s^ e, mean weights 0 and 1/6, covariance weights 2 and 1/6. PROJECTION_LINEARIZED: the derivative at
 // the centre. PROJECTION_MONTE_CARLO: SIM_MONTE_CARLO normal samples, the same for every particle. Sums use
 // offsets from the projected centre, never raw coordinates.
-#ifndef SIMULI_CL_MATH_UNSCENTED_H
-#define SIMULI_CL_MATH_UNSCENTED_H
-#include "math/gaussian.h"
-#include "math/shutter.h"
+#ifndef SIMULI_CL_PAPER_UNSCENTED_H
+#define SIMULI_CL_PAPER_UNSCENTED_H
+#include "math/extent.h"
 
 #define PROJECTION_UNSCENTED 0
 #define PROJECTION_LINEARIZED 1
@@ -23,12 +22,6 @@ typedef struct {
   F half_x, half_y;
   I valid;  // every projected point has an image at a time of its own
 } Box;
-
-/// Bounds of a particle on the sensor, px or rad: x within half_x of either position, y in [low, high].
-typedef struct {
-  F mean_x, other_x, half_x;  // other_x differs from mean_x only where x is periodic
-  F low, high;
-} Bounds;
 
 /// offset + rotation (z * filtered scale): the point z standard deviations from the centre.
 FN void point_at(const Gaussian* g, F z0, F z1, F z2, F* p) {
@@ -250,5 +243,27 @@ FN I unscented_bounds(const FrameParams* frame,
   return known;
 }
 #endif
+
+/// Bounds as in exact_bounds(), from projected points where these are a valid measure.
+FN void unscented_or_exact_bounds(const FrameParams* frame,
+                                  __global const SensorConstants* sensor,
+                                  __global const real* normal_samples,
+                                  const Gaussian* g,
+                                  const F* centre,
+                                  F reach,
+                                  F radius,
+                                  I visible,
+                                  Bounds* box) {
+  const I known = unscented_bounds(frame, sensor, normal_samples, g, centre, reach, radius, visible, box);
+  if (ANY(AND(visible, NOT(known)))) {
+    Bounds all;
+    exact_bounds(frame, sensor, g, reach, radius, &all);
+    box->mean_x = SEL(known, box->mean_x, all.mean_x);
+    box->other_x = SEL(known, box->other_x, all.other_x);
+    box->half_x = SEL(known, box->half_x, all.half_x);
+    box->low = SEL(known, box->low, all.low);
+    box->high = SEL(known, box->high, all.high);
+  }
+}
 
 #endif

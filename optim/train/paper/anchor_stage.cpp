@@ -1,5 +1,5 @@
-// Launcher of "kernels/anchor.cl".
-#include "host/device/render/train/anchor.hpp"
+// Launcher of "paper/anchor.cl".
+#include "optim/train/paper/anchor_stage.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -15,7 +15,7 @@ constexpr double kCells = 2097152.0;  // per axis: 21 bits
 Program program(const Device& device, Precision precision, std::uint32_t neighbours, std::size_t work_items) {
   BuildOptions options;
   options.real(precision).define("NEIGHBOURS", neighbours).define("LS", work_items);
-  return {device, "kernels/anchor.cl", options};
+  return {device, "paper/anchor.cl", options};
 }
 
 std::size_t work_items_of(const Device& device, std::size_t asked) {
