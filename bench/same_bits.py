@@ -30,6 +30,16 @@ import time
 from same_bits_commands import DATA, LONGEST_S, all_commands
 
 NOT_COMPARED = re.compile(r"seconds|_per_s$|_ms$|^device$")  # JSON keys
+RENAMED = {  # setting keys: old name -> new name
+    "beside.weight": "off_trajectory.weight",
+    "beside.reach_m": "off_trajectory.reach_m",
+    "init.off_path_m": "init.off_trajectory_m",
+    "stretch.length_m": "chunk.length_m",
+    "look.least_share": "appearance.least_share",
+    "actors.fill": "actors.inpaint",
+    "render.max_instances": "render.max_pairs",
+}
+OLD_KEY = re.compile(r"(?<![\w.])(" + "|".join(map(re.escape, RENAMED)) + r")(?![\w.])")
 
 
 class Failed(RuntimeError):
@@ -107,17 +117,24 @@ class Program:
 
 # Comparing what they wrote.
 
-def without_times(value):
+def comparable(value):
+    """A JSON value without times, with the new names of settings."""
     if isinstance(value, dict):
-        return {key: without_times(item) for key, item in value.items() if not NOT_COMPARED.search(key)}
-    return [without_times(item) for item in value] if isinstance(value, list) else value
+        return {with_new_names(key): comparable(item) for key, item in value.items() if not NOT_COMPARED.search(key)}
+    if isinstance(value, list):
+        return [comparable(item) for item in value]
+    return with_new_names(value) if isinstance(value, str) else value
+
+
+def with_new_names(text):
+    return OLD_KEY.sub(lambda match: RENAMED[match.group(1)], text)
 
 
 def fingerprint(file):
     """What has to be the same: a hash, or of JSON the value."""
     content = file.read_bytes()
     if file.suffix == ".json":
-        return {"json": without_times(json.loads(content))}
+        return {"json": comparable(json.loads(content))}
     if file.suffix == ".html":
         content = b"\n".join(re.findall(rb"base64,[^\"']*", content))
     if file.suffix == ".exr":
