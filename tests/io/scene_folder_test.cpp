@@ -105,7 +105,7 @@ TEST(SceneFolder, VistasComeBackWithTheirPaths) {
   const Scene read = read_scene(scratch / "scene").scene;
   ASSERT_EQ(read.visibility_sets.size(), 2U);
   EXPECT_EQ(read.visibility_sets[0].path_m, written.scene.visibility_sets[0].path_m);  // every digit
-  EXPECT_EQ(read.vistas[1].path_m, written.scene.visibility_sets[1].path_m);
+  EXPECT_EQ(read.visibility_sets[1].path_m, written.scene.visibility_sets[1].path_m);
   EXPECT_EQ(read.camera.actor, (std::vector<std::uint32_t>{0, 1, 2}));
   // With what actors hide of one.
   Actor car{"car", "car", {4.0, 2.0, 1.5}, {}};
