@@ -29,8 +29,8 @@ NUMBERS = [
     ("ray-drop decisions right", r"right drop decisions \(every ray returns\) \|",
      r"right drops (\d\.\d+) \((\d\.\d+) if every ray returned"),
 ]
-GROUPS = ("actors anchor beside camera densify depth fixer init lidar look loss path prune ray_drop render shards "
-          "stretch").split()
+GROUPS = ("actors anchor appearance camera chunk densify depth fixer init lidar loss off_trajectory path prune "
+          "ray_drop render shards").split()
 KEY = rf"(?<![\w.])((?:{'|'.join(GROUPS)})\.[a-z_0-9.]*[a-z_0-9])\b"
 FILE = r"\.(?:json|log|scene|ply|png|npz|h|hpp|cpp|cl|py|exr|mcap)$"
 FOLDERS = ("bench/", "cl/", "docs/", "examples/", "host/", "io/", "optim/", "tests/")
