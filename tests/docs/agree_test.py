@@ -10,6 +10,7 @@ import sys
 source = pathlib.Path(sys.argv[1]).resolve()
 pages = {file.stem: file for file in [source / "README.md", *source.glob("docs/*.md"), *source.glob("bench/*.md")]}
 pages["tests"] = source / "tests/README.md"
+pages |= {name: source / f"{name}.md" for name in ("CHANGELOG", "CONTRIBUTING")}
 words = {name: " ".join(file.read_text().split()) for name, file in pages.items()}
 wrong = []
 
@@ -82,7 +83,7 @@ for name, file in sorted(pages.items()):
         if path.startswith(FOLDERS) and re.fullmatch(r"[\w./*+-]+", path):
             check(any(source.glob(path.rstrip("/"))), f"{file.name}: {path}: no such file")
     check_sections(file.name, words[name])
-    if name != "DECISIONS":  # which names what is gone
+    if name not in ("CHANGELOG", "DECISIONS"):  # which name removed settings
         for key in re.findall(KEY, " ".join(quoted + re.findall(r"--set ([^`#]*)", text))):
             # A group alone, as in "prune.*", or the rates of either set, which share their fields.
             known = any(k == key or k.startswith(key + ".") for k in keys) or re.search(FILE, key)
