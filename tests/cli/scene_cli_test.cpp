@@ -160,7 +160,7 @@ TEST_F(SceneCli, SmallThingsAreTakenOrRefusedInOneLine) {
              "found \"9\", allowed a or a:b with 0 <= a"},
         Case{"train s.log -o x --held-out a", kUsage, "--held-out: found a, allowed a whole number"},
         Case{"--device nosuch devices", static_cast<int>(simuli::ErrorKind::kDevice), "nosuch"},
-        Case{"info a.usdz", kInput, "a.usdz: file: found no JSON, allowed a sensor's JSON; splats"},
+        Case{"info a.usdz", kInput, "a.usdz: file: found other data, allowed JSON of a sensor; splats"},
         Case{"info a.json", kInput, "a.json: JSON: found parse error"},
         Case{"export s.scene --at 50 -o x.ply", kUsage, "--at: found 50, allowed "}}) {
     expect_failure(c.arguments, c.exit_code, c.told);
@@ -499,7 +499,7 @@ TEST_F(SceneCli, PhotographsAreEnough) {
   std::ofstream(folder_ / "transforms.json") << transforms.dump();
   const Outcome import = run("import nerfstudio transforms.json -o p.log --metres-per-unit 1");
   ASSERT_EQ(import.exit_code, 0) << import.err;
-  EXPECT_NE(import.err.find("10 photographs (0 named but absent)"), std::string::npos) << import.err;
+  EXPECT_NE(import.err.find("10 photographs (0 listed but missing)"), std::string::npos) << import.err;
   for (const char* note : {"1 masks of single photographs are left out", "2 depth pictures are left out"})
     EXPECT_NE(import.err.find(note), std::string::npos) << import.err;
   const Outcome train = run("train p.log -o p.scene --iterations 5 --json");

@@ -59,7 +59,7 @@ std::terminate_handler end_otherwise = nullptr;
   } catch (const std::bad_alloc&) {
     write_all(STDERR_FILENO, "simuli: out of memory\n");
     ::_exit(kMemoryExit);
-  } catch (...) {  // below
+  } catch (...) {  // handled below
   }
   end_otherwise();
   ::abort();
