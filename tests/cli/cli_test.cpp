@@ -168,7 +168,8 @@ TEST_F(Cli, InfoOfASensorFileAndOfAMode) {
   ASSERT_EQ(file.exit_code, 0) << file.err;
   EXPECT_EQ(file.out, built_in.out);
   const Outcome text = run("info mine.json");
-  for (const char* part : {"32 beams x 1000 columns", "20 revolutions per second", "beam firing times", "licence"}) {
+  for (const char* part :
+       {"32 beams x 1000 columns", "20 revolutions per second", "beam firing times", "licence"}) {
     EXPECT_NE(text.out.find(part), std::string::npos) << part << " is missing in " << text.out;
   }
   expect_failure("info hesai_xt32@7", kUsage, "allowed 2000x10");

@@ -21,8 +21,8 @@ namespace simuli::cli {
 /// Adds a line on the labels left out, if there are any.
 void add_label_line(const LabelReport& report, std::vector<std::string>& lines);
 
-/// Prints `notes`, the lines on the recorded data, and then the log. The notes of an import are printed to stderr,
-/// those of a survey to stdout; the JSON output holds them as "notes", too.
+/// Prints `notes`, the lines on the recorded data, and then the log. Notes of an import are printed to stderr,
+/// notes of a survey to stdout; the JSON output contains them as "notes", too.
 void print_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json);
 
 /// Adds --output and --survey. With --survey need_output() clears `output`; without either option it throws
@@ -34,9 +34,9 @@ inline void add_output(Command command, std::filesystem::path& output, bool& is_
 }
 void need_output(std::filesystem::path& output, bool is_survey);
 
-/// Adds the options and the run function that all imports share. `run(options, progress, report)` returns the log; with
-/// an empty options.output it returns the log that would be written. `describe(report)` returns lines on the recorded
-/// data that were imported and left out.
+/// Adds the options and the run function that all imports share. `run(options, progress, report)` returns the
+/// log; with an empty options.output it returns the log that would be written. `describe(report)` returns lines
+/// on the data that were imported and left out.
 template <class Report, class Options, class Run, class Describe>
 void add_run(Command command,
              const char* name,
