@@ -13,8 +13,8 @@
  * the frame; the values are valid once `ready` is complete. `real` is float, or double if the frame was
  * rendered with render.precision=double. */
 typedef struct simuli_frame_memory {
-  cl_mem outputs;     /* real[6][slots]: three features, transmittance, sum of w tau (m), median distance (m); of
-                      * LiDARs [7]: ln(p / (1 - p)), p the probability of ray drop */
+  cl_mem outputs;     /* real[6][slots]: three features, transmittance, sum of w tau (m), median distance
+                       * (m); LiDARs [7]: ln(p / (1 - p)), p the probability of ray drop */
   cl_mem picture;     /* real[3][slots], replaces the features; NULL: no bilateral grid was applied */
   cl_mem ray_of_slot; /* int[slots]; -1: none */
   cl_mem slot_of_ray; /* int[rays]; -1: a pixel without a ray */
