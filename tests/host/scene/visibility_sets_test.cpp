@@ -21,7 +21,7 @@ std::vector<VisibilitySet> three_chunks() {
   return visibility_sets;
 }
 
-TEST(VisibilitySets, AreSeenFromTheirStretchAndFadeBehindIt) {
+TEST(VisibilitySets, AreVisibleFromTheirChunkAndFadeBehindIt) {
   const std::vector<VisibilitySet> visibility_sets = three_chunks();
   const auto shares = [&](double x, double y) { return visibility_shares(visibility_sets, {x, y, 1.5}); };
   const auto expect = [&](double x, double y, double first, double second, double third) {
