@@ -60,7 +60,7 @@ TEST_F(Cli, PhotographsAreEnough) {
   std::ofstream(folder_ / "transforms.json") << transforms.dump();
   const Outcome import = run("import nerfstudio transforms.json -o p.log --metres-per-unit 1");
   ASSERT_EQ(import.exit_code, 0) << import.err;
-  EXPECT_NE(import.err.find("10 photographs (0 named but absent)"), std::string::npos) << import.err;
+  EXPECT_NE(import.err.find("10 photographs (0 listed but missing)"), std::string::npos) << import.err;
   for (const char* note : {"1 masks of single photographs are left out", "2 depth pictures are left out"})
     EXPECT_NE(import.err.find(note), std::string::npos) << import.err;
   const Outcome train = run("train p.log -o p.scene --iterations 5 --json");

@@ -160,7 +160,7 @@ TEST_F(SceneCli, SmallThingsAreTakenOrRefusedInOneLine) {
              "found \"9\", allowed a or a:b with 0 <= a"},
         Case{"train s.log -o x --held-out a", kUsage, "--held-out: found a, allowed a whole number"},
         Case{"--device nosuch devices", static_cast<int>(simuli::ErrorKind::kDevice), "nosuch"},
-        Case{"info a.usdz", kInput, "a.usdz: file: found no JSON, allowed a sensor's JSON; splats"},
+        Case{"info a.usdz", kInput, "a.usdz: file: found other data, allowed JSON of a sensor; splats"},
         Case{"info a.json", kInput, "a.json: JSON: found parse error"},
         Case{"export s.scene --at 50 -o x.ply", kUsage, "--at: found 50, allowed "}}) {
     expect_failure(c.arguments, c.exit_code, c.told);
