@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Times of this working tree against those of another commit, in turns on this machine.
+"""Compares the times of this working tree with those of another commit, in turns on this machine.
 
   bench/against.py COMMIT [--rounds N] [--worse SHARE] [--work FOLDER] [-- BENCH_ARGUMENTS]
 
-COMMIT   anything that git knows: a hash, a branch, HEAD~3
---rounds      how often each of the two is run (7), one after the other, the first of a round by turns
---worse       exit code 1 when a frame takes longer by more than this share, its spread aside (0.05)
---work        where both are built (build/against); what is there is built on
-BENCH_ARGUMENTS  as of `simuli bench`, of the whole program: "--training", "--stages --particles 1000000". Without
-              any, the stages alone, for which the core alone is built: minutes less.
+COMMIT   any git revision: a hash, a branch, HEAD~3
+--rounds      runs of each of the two (7), one after the other; the order alternates between rounds
+--worse       exit code 1 when a frame takes longer by more than this share, after its spread is subtracted (0.05)
+--work        build folder of both (build/against); existing builds are updated
+BENCH_ARGUMENTS  arguments of `simuli bench` of the complete program: "--training", "--stages --particles 1000000".
+              Without arguments only the stages run, for which only the core is built, minutes faster.
 
-Prints, for each number that both have: the median of COMMIT, the median of this tree, and the ratio of the two, taken
-round by round: its median and half the distance of its quartiles. Machines are shared: a round's two runs see much the
-same neighbours, two tables made on different days do not.
+Prints for each common number the median of COMMIT, the median of this tree, and the median and half the interquartile
+range of their ratio per round. On shared machines the two runs of a round have similar load; tables of different days
+do not.
 """
 import argparse
 import json
@@ -31,7 +31,7 @@ def stop(message):
 
 
 def sources_of(commit, work):
-    """The commit's files, unpacked once."""
+    """Returns the folder with the commit's files, unpacked once."""
     found = subprocess.run(["git", "-C", ROOT, "rev-parse", "--verify", "--quiet", f"{commit}^{{commit}}"],
                            capture_output=True, text=True)
     if found.returncode != 0:
@@ -48,7 +48,7 @@ def sources_of(commit, work):
 
 
 def build(source, folder, whole, log):
-    """The program to run, as the words of a command."""
+    """Builds the program and returns its command as words."""
     options = ["-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF", "-DSIMULI_BENCH=ON"]
     options.append("-DSIMULI_CORE_ONLY=" + ("OFF" if whole else "ON"))
     print(f"build {source} in {folder}", file=sys.stderr, flush=True)

@@ -1,20 +1,20 @@
 #!/usr/bin/env python3
-"""The same tests, times and pictures on several OpenCL implementations, as one table.
+"""Runs the same tests, times and pictures on several OpenCL implementations and prints one table.
 
   bench/drivers.py BIN --driver NAME VENDORS [COMMAND] [--driver ...] [--rounds N] [--filter F] [--only PART ...]
 
 BIN      folder of the built programs (build/dev/bin)
-NAME     what the implementation is called in the table; the first one is what pictures are compared with
-VENDORS  folder of .icd files, as for OCL_ICD_VENDORS; "-" for the system's own
+NAME     name of the implementation in the table; pictures are compared with the first implementation
+VENDORS  folder of .icd files, as for OCL_ICD_VENDORS; "-" for the system's folder
 COMMAND  words before each program, in one argument: "env LD_PRELOAD=libtbb.so.12", "chroot FOLDER", "oclgrind"
 
-Oclgrind 21.10 can't inline: "env OCLGRIND_DATA_RACES=1 'OCLGRIND_BUILD_OPTIONS=-cl-opt-disable -D SIMULI_KEEP_CALLS'",
-with --only tests and a --filter of small ones (bench/RESULTS.md). Its reports are in the work folder's .err files.
+Oclgrind 21.10 cannot inline: "env OCLGRIND_DATA_RACES=1 'OCLGRIND_BUILD_OPTIONS=-cl-opt-disable -D SIMULI_KEEP_CALLS'",
+with --only tests and a --filter of small tests (bench/RESULTS.md). Its reports are in the .err files of the work folder.
 
 Parts: check (simuli devices --check), tests (the tests that run kernels; --filter as --gtest_filter), pictures
 (simuli bench --agreement) and times (simuli bench --stages, N rounds, the implementations in turns within each).
-Compiled programs go to a folder of each implementation below --work, so a second run takes less time; the tests'
-seconds include compilation where it is the first. Exit code 1 when anything failed anywhere.
+Compiled programs are cached in a folder per implementation in --work, so a second run takes less time; the seconds of
+tests include compilation in the first run. Exit code 1 on any failure.
 """
 import argparse
 import json
@@ -34,7 +34,7 @@ LIDAR = "stages/lidar_64x2650_200k/"
 
 
 def processor_s():
-    """Of all programs that have ended: what else runs on the machine changes it little."""
+    """Returns the CPU time of all finished child programs, which other load hardly affects."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
@@ -50,13 +50,13 @@ class Driver:
         self.env = dict(os.environ, SIMULI_CACHE_DIR=str(self.work / "programs"), POCL_CACHE_DIR=str(self.work / "pocl"))
         if vendors != "-":
             self.env["OCL_ICD_VENDORS"] = str(pathlib.Path(vendors).resolve())
-        self.limit_s = None  # seconds that a program may take
+        self.limit_s = None  # maximum seconds of a program
         self.row = {"driver": self.name}
         self.failures = []
 
     def run(self, program, *arguments, shard=None):
-        """Exit code, standard output; both outputs stay in the work folder, too, for who waits. shard: index and number of those
-        that a program's tests are run in."""
+        """Returns exit code and standard output; both output streams are also written to the work folder. shard: index and
+        number of shards of the program's tests."""
         command = [*self.command, str(self.bin / program), *arguments]
         name = f"{program}.{shard[0]}" if shard else program
         env = dict(self.env, GTEST_SHARD_INDEX=str(shard[0]), GTEST_TOTAL_SHARDS=str(shard[1])) if shard else self.env
@@ -92,7 +92,7 @@ class Driver:
             report = self.work / f"{program}.json"
             report.unlink(missing_ok=True)
             self.run(program, f"--gtest_output=json:{report}", f"--gtest_filter={test_filter}")
-            if not report.exists():  # it crashed
+            if not report.exists():  # crashed
                 failed += 1
                 continue
             for suite in json.loads(report.read_text())["testsuites"]:

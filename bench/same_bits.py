@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Does a program write the same bits as another one, or as before?
+"""Checks whether a program writes the same bits as another program or as before.
 
   bench/same_bits.py PROGRAM [--against PROGRAM_OR_JSON] [-o HASHES.json] [--only REGEX] [--work FOLDER] [--list]
 
-Runs a list of commands with PROGRAM (simuli), each in an empty folder, and hashes every file that they write: logs,
-scenes, pictures, clouds, reports. -o keeps the hashes, --against compares with kept ones, or with those of another
-program that runs the same commands. One line per command: same, DIFFERS (which files, which keys; and when the input
-was different already), MISSING (it failed, or wrote less), new, skipped. Exit code 1 when anything differs or is missing.
-Names that begin with "repaired/" are of known defects: their differences are told and no failure.
+Runs a list of commands with PROGRAM (simuli), each in an empty folder, and hashes all written files: logs, scenes,
+pictures, clouds, reports. -o stores the hashes; --against compares with stored hashes, or with another program that runs
+the same commands. Prints one line per command: same, DIFFERS (with files and keys, and whether the input already
+differed), MISSING (failed, or wrote fewer files), new, skipped. Exit code 1 if anything differs or is missing. Names that
+begin with "repaired/" belong to known defects: their differences are printed but are no failure.
 
-Times, devices and dates are left out: of EXR pictures the date, of JSON files keys that hold times; of JSON files only
-keys that both sides have are compared, and others named; of HTML reports the pictures alone. Hashes hold for one
-OpenCL device: the command "machine" tells when it is another. Compiled programs and tuned tiles are not shared with
-other runs, so tiles are the default ones. With SIMULI_DATA the commands on recorded data run, too.
+Times, devices and dates are ignored: the date of EXR pictures and JSON keys with times. JSON files are compared by common
+keys, other keys are listed; HTML reports by their pictures. Hashes are valid for one OpenCL device: the command "machine"
+detects another device. Compiled programs and tuned tiles are not shared with other runs, so tiles are the default.
+With SIMULI_DATA the commands on recorded data run, too.
 """
 import argparse
 import hashlib
@@ -30,10 +30,20 @@ import time
 from same_bits_commands import DATA, LONGEST_S, all_commands
 
 NOT_COMPARED = re.compile(r"seconds|_per_s$|_ms$|^device$")  # JSON keys
+RENAMED = {  # setting keys: old name -> new name
+    "beside.weight": "off_trajectory.weight",
+    "beside.reach_m": "off_trajectory.reach_m",
+    "init.off_path_m": "init.off_trajectory_m",
+    "stretch.length_m": "chunk.length_m",
+    "look.least_share": "appearance.least_share",
+    "actors.fill": "actors.inpaint",
+    "render.max_instances": "render.max_pairs",
+}
+OLD_KEY = re.compile(r"(?<![\w.])(" + "|".join(map(re.escape, RENAMED)) + r")(?![\w.])")
 
 
 class Failed(RuntimeError):
-    """A command that did not do what it should."""
+    """A failed command."""
 
 
 class Run:
@@ -44,7 +54,7 @@ class Run:
         self.folder.mkdir()
 
     def resolve(self, text):
-        """The text with {NAME}s replaced by folders, whose commands are run if they were not."""
+        """Replaces each {NAME} by the folder of that command, which runs first if necessary."""
         def folder(match):
             name = match.group(1)
             self.inputs.add(name)
@@ -54,7 +64,7 @@ class Run:
         return re.sub(r"\{([^{}]+)\}", folder, text)
 
     def program(self, *arguments):
-        """Its standard output."""
+        """Runs the program and returns its standard output."""
         done = subprocess.run([self.of.path, *arguments], cwd=self.folder, env=self.of.env, capture_output=True,
                               timeout=LONGEST_S, check=False)
         if done.returncode != 0:
@@ -84,14 +94,14 @@ class Program:
         self.path, self.root, self.commands = str(pathlib.Path(path).resolve()), root, commands
         self.root.mkdir(parents=True)
         self.env = dict(os.environ, SIMULI_CACHE_DIR=str(root / "programs"))
-        self.env.pop("SIMULI_CL_DIR", None)  # kernels are the program's own
+        self.env.pop("SIMULI_CL_DIR", None)  # use the program's own kernels
         self.made, self.inputs = {}, {}
 
     def folder_of(self, name):
         return self.root / name.replace("/", ".")
 
     def make(self, name):
-        """File -> fingerprint of what the command writes, or why it failed."""
+        """Returns {file: fingerprint} of a command, or its failure."""
         if name not in self.made:
             run = Run(self, name)
             try:
@@ -105,19 +115,26 @@ class Program:
         return self.made[name]
 
 
-# Comparing what they wrote.
+# Comparison of outputs.
 
-def without_times(value):
+def comparable(value):
+    """A JSON value without times, with the new names of settings."""
     if isinstance(value, dict):
-        return {key: without_times(item) for key, item in value.items() if not NOT_COMPARED.search(key)}
-    return [without_times(item) for item in value] if isinstance(value, list) else value
+        return {with_new_names(key): comparable(item) for key, item in value.items() if not NOT_COMPARED.search(key)}
+    if isinstance(value, list):
+        return [comparable(item) for item in value]
+    return with_new_names(value) if isinstance(value, str) else value
+
+
+def with_new_names(text):
+    return OLD_KEY.sub(lambda match: RENAMED[match.group(1)], text)
 
 
 def fingerprint(file):
-    """What has to be the same: a hash, or of JSON the value."""
+    """Returns the part of a file that must be equal: a hash, or for JSON the value."""
     content = file.read_bytes()
     if file.suffix == ".json":
-        return {"json": without_times(json.loads(content))}
+        return {"json": comparable(json.loads(content))}
     if file.suffix == ".html":
         content = b"\n".join(re.findall(rb"base64,[^\"']*", content))
     if file.suffix == ".exr":
@@ -126,7 +143,7 @@ def fingerprint(file):
 
 
 def walk(before, now, place, different, unshared):
-    """Adds the places where two JSON values differ, and those that only one has."""
+    """Adds the paths of differing JSON values, and paths in only one of the two."""
     if isinstance(before, dict) and isinstance(now, dict):
         for key in sorted(before.keys() | now.keys()):
             at = f"{place}.{key}" if place else key
@@ -146,7 +163,7 @@ def some(words):
 
 
 def compare(before, now):
-    """(status, what to say about it) of two results of one command."""
+    """Returns (status, message) for two results of one command."""
     if isinstance(now, Failed):
         return "MISSING", str(now)
     different, notes = [], [f"new file {file}" for file in now if file not in before]
@@ -170,8 +187,8 @@ def main():
     parser.add_argument("program", help="simuli")
     parser.add_argument("--against", help="another program, or hashes that -o wrote")
     parser.add_argument("-o", "--output", type=pathlib.Path, help="JSON file to write: command -> file -> hash")
-    parser.add_argument("--only", default="", help="commands whose names match, and what they need")
-    parser.add_argument("--work", type=pathlib.Path, help="folder to make, in which the files stay; default: a temporary one")
+    parser.add_argument("--only", default="", help="commands with matching names, and their inputs")
+    parser.add_argument("--work", type=pathlib.Path, help="folder to write, which is kept; default: a temporary folder")
     parser.add_argument("--list", action="store_true", help="names alone, nothing is run")
     arguments = parser.parse_args()
     commands = all_commands()

@@ -1,8 +1,8 @@
-"""The commands of same_bits.py, and what they need that no command makes.
+"""Commands of same_bits.py, and their inputs that no command generates.
 
-all_commands() is name -> (steps, name of a command that must have written the same files). A step is a function of the
-run (its folder, and the program in it), or the program's arguments: {NAME} stands for the folder of another command,
-"> FILE" keeps the standard output. What reads recorded data is named data/..., what shows a known defect repaired/...
+all_commands() maps a name to (steps, name of a command with the same expected files). A step is a function of the run
+(its folder and its program), or a list of program arguments: {NAME} is replaced by the folder of another command,
+"> FILE" stores the standard output. Commands on recorded data are named data/..., those of known defects repaired/...
 """
 import json
 import math
@@ -14,7 +14,7 @@ import urllib.error
 import urllib.request
 
 DATA = os.environ.get("SIMULI_DATA")
-LONGEST_S = 900  # of a command
+LONGEST_S = 900  # maximum time of a command
 
 
 def write_json(file, value):
@@ -22,7 +22,7 @@ def write_json(file, value):
 
 
 def write_lidars(run):
-    """A table with rows, changed in everything that a built-in one leaves alone, and a list of rays."""
+    """Writes a beam table with values other than all built-in tables, and a ray list."""
     rows = json.loads(run.program("info", "hesai_xt16", "--json"))
     del rows["modes"]
     rows.update(name="changed", columns=700, spin="counter_clockwise", azimuth_first_rad=-3.0, beam_divergence_rad=0.003)
@@ -40,7 +40,7 @@ def write_lidars(run):
 
 
 def add_cameras(run):
-    """The scene with a camera of every lens that no built-in camera has, and every shutter."""
+    """Adds cameras with each lens that no built-in camera uses, and each shutter."""
     run.copy("train/default", "out.scene")
     file = run.folder / "out.scene" / "scene.json"
     scene = json.loads(file.read_text())
@@ -65,7 +65,7 @@ def add_cameras(run):
 
 
 def write_points(run):
-    """A drive as lists of points: a LiDAR that moves between two walls of made-up distances."""
+    """Writes a drive as lists of points: a LiDAR moves between two synthetic walls."""
     (run.folder / "points").mkdir()
     at = {"rotation_wxyz": [1.0, 0.0, 0.0, 0.0]}
     sweeps = []
@@ -86,7 +86,7 @@ def write_points(run):
 
 
 def cut_drive(run):
-    """The first frames of drive 0013."""
+    """Copies the first frames of drive 0013."""
     frames, source = 30, pathlib.Path(DATA) / "kitti/2011_09_26"
     for file in source.rglob("*"):
         to = run.folder / "2011_09_26" / file.relative_to(source)
@@ -104,7 +104,7 @@ def cut_drive(run):
 
 
 def kill_at_checkpoint(run):
-    """Starts the training and kills it once its first state is there."""
+    """Starts the training and kills it after its first checkpoint."""
     with run.start(f"train {{street}}/out.log -o out.scene {CHECKPOINTS}") as training:
         while not (run.folder / "out.scene.checkpoint").exists():
             if training.poll() is not None:
@@ -116,7 +116,7 @@ def kill_at_checkpoint(run):
 
 
 def ask_viewer(run):
-    """Pictures and sweeps as the browser gets them."""
+    """Requests pictures and sweeps as the browser does."""
     ask = {"sensor": "front", "quality": "balanced", "time_s": 0.4, "width": 160, "forward_m": 0.5, "left_m": 0.3, "up_m": 0.1,
            "yaw_rad": 0.1, "pitch_rad": 0.05, "removed": [], "moved": {}}
     free = {"t": [0.0, 0.0, 8.0], "q": [0.0, 1.0, 0.0, 0.0]}
@@ -135,7 +135,7 @@ def ask_viewer(run):
                 except urllib.error.HTTPError:  # the key's name in programs before sensor_rig.hpp
                     body = body.replace("scene_from_camera", "world_from_camera")
                     reply = urllib.request.urlopen(place, body.encode(), LONGEST_S).read()
-                payload = 4 + (struct.unpack("<I", reply[:4])[0] + 3) // 4 * 4  # before it: times
+                payload = 4 + (struct.unpack("<I", reply[:4])[0] + 3) // 4 * 4  # after the times
                 (run.folder / (name + (".points" if is_sweep else ".jpg"))).write_bytes(reply[payload:])
         finally:
             viewer.kill()
@@ -259,7 +259,7 @@ def all_commands():
     for name in LIDARS:
         render(f"lidars/{name}", name, "", times="--times 0.3:0.3:1")
     for name in ("hesai_xt32@20", "ouster_os1_128@512x20"):
-        render(f"repaired/{name}", name, "", times="--times 0.3:0.3:1")  # a turn takes 0.05 s, not 0.1 s
+        render(f"repaired/{name}", name, "", times="--times 0.3:0.3:1")  # a revolution takes 0.05 s, not 0.1 s
     add("lidars/files", write_lidars)
     for name in ("rows", "rays", "origins"):
         render(f"lidars/{name}", f"{{lidars/files}}/{name}.json", "")

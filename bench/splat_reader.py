@@ -1,8 +1,8 @@
-"""A scene of ours in somebody else's reader: splat_reader.py SCENE PLY LOG FRAME PICTURE.png [gsply|plyfile]
+"""Renders a scene of simuli with another reader: splat_reader.py SCENE PLY LOG FRAME PICTURE.png [gsply|plyfile]
 
-Reads PLY, which `simuli export SCENE -o PLY` made, with the Python package gsply (or plyfile), splats it in NumPy as the 3DGS paper does (EWA,
-screen-space Gaussians, sorted by depth), and prints the PSNR to PICTURE, which `simuli render` made of the same
-frame without actors. Nothing of simuli is used; a pinhole without distortion and a global shutter are assumed.
+Reads PLY, made by `simuli export SCENE -o PLY`, with the Python package gsply (or plyfile), splats it in NumPy as the 3DGS paper does (EWA,
+screen-space Gaussians, sorted by depth), and prints the PSNR to PICTURE, made by `simuli render` for the same
+frame without actors. Uses no code of simuli and assumes a pinhole without distortion and a global shutter.
 """
 import json
 import sys
@@ -12,7 +12,7 @@ from PIL import Image
 
 
 def read(path, reader):
-    """means, scales, rotations wxyz, opacities, SH [N, K, 3]"""
+    """Returns means, scales, rotations wxyz, opacities, SH [N, K, 3]."""
     if reader == "gsply":
         import gsply
 

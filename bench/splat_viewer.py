@@ -1,10 +1,10 @@
-"""A scene of ours in somebody else's viewer: splat_viewer.py SCENE PLY LOG FRAME PICTURE.png [OUT.png]
+"""Renders a scene of simuli with another viewer: splat_viewer.py SCENE PLY LOG FRAME PICTURE.png [OUT.png]
 
-Reads PLY, which `simuli export SCENE -o PLY` made, with the Python package gsply, shows it with viser, whose renderer
-of splats is WebGL in a browser (here a headless Chromium that playwright drives), and prints the PSNR to PICTURE, which
-`simuli render` made at the same time (--times) without actors and with --set render.sh_degree=0: viser knows one colour
-per splat. OUT: theirs above ours. Nothing of simuli is used; a pinhole in the middle of the picture without distortion
-and a global shutter are assumed.
+Reads PLY, made by `simuli export SCENE -o PLY`, with the Python package gsply, renders it with viser, a WebGL renderer
+of splats in a browser (a headless Chromium controlled by playwright), and prints the PSNR to PICTURE, made by
+`simuli render` at the same time (--times) without actors and with --set render.sh_degree=0, since viser uses one colour
+per splat. OUT: viser's picture above simuli's. Uses no code of simuli and assumes a centred pinhole without distortion
+and a global shutter.
 """
 import json
 import sys
@@ -23,8 +23,8 @@ from splat_reader import pose_at, rotation
 CHROMIUM = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
 
-def shown_by_viser(d, world_rotation, position, width, height, fov):
-    """RGBA of 1, [height, width, 4]: what a client's canvas shows from there."""
+def rendered_by_viser(d, world_rotation, position, width, height, fov):
+    """Returns the canvas of a client for this pose, RGBA in [0, 1], [height, width, 4]."""
     m = rotation(d.quats) * np.exp(d.scales)[:, None]
     server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
     server.scene.add_gaussian_splats(
@@ -35,19 +35,19 @@ def shown_by_viser(d, world_rotation, position, width, height, fov):
 
     def shoot(client):
         try:
-            # Splats are drawn with the view of the canvas, whatever get_render is asked for: so that is set, too.
+            # Splats are drawn with the view of the canvas, not of get_render: so the canvas view is set, too.
             view = {"wxyz": viser.transforms.SO3.from_matrix(world_rotation).wxyz, "position": np.zeros(3)}
             client.camera.fov, client.camera.wxyz, client.camera.position = fov, view["wxyz"], view["position"]
             last = None
-            for _ in range(60):  # they are sorted beside drawing: until two pictures in a row are the same
+            for _ in range(60):  # sorting is asynchronous: waits for two equal pictures
                 time.sleep(1)
                 shot = client.get_render(height, width, fov=fov, transport_format="png", **view)
                 if last is not None and shot.any() and np.array_equal(shot, last):
                     found["picture"] = shot
                     return
                 last = shot
-            found["error"] = "the picture never came to rest"
-        except Exception as error:  # on a thread of its own: told, not lost
+            found["error"] = "the picture did not converge"
+        except Exception as error:  # in a thread: stored for the caller
             found["error"] = error
 
     server.on_client_connect(lambda client: threading.Thread(target=shoot, args=(client,), daemon=True).start())
@@ -77,7 +77,7 @@ def main(scene_folder, ply, log_folder, frame, picture, out=None):
     world_rotation = rig_r @ rotation(np.array(mount["rotation_wxyz"])[None])[0]
     position = rig_r @ np.array(mount["position_m"]) + rig_t - np.array(scene["origin_m"])
     d = gsply.plyread(ply)
-    rgba = shown_by_viser(d, world_rotation, position, w, h, 2 * np.arctan(h / 2 / cam["fy_px"]))
+    rgba = rendered_by_viser(d, world_rotation, position, w, h, 2 * np.arctan(h / 2 / cam["fy_px"]))
     background = np.array(scene["camera_set"].get("background", [0, 0, 0]))
     theirs = rgba[..., :3] * rgba[..., 3:] + (1 - rgba[..., 3:]) * background
     ours = np.asarray(Image.open(picture).convert("RGB"), float) / 255

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Our pictures and sweeps against the formulas of docs/METHOD.md on tensors: tensor_reference.py SIMULI SCENE [TIME_S]
+"""Compares pictures and sweeps with the formulas of docs/METHOD.md on tensors: tensor_reference.py SIMULI SCENE [TIME_S]
 
-Reads the scene folder with NumPy, evaluates every particle on every ray in double precision with PyTorch, sorts each ray's responses by
-where the ray meets them and blends them: no projection, no tiles, no code of simuli. Then lets the program SIMULI render the same moment
-(actors taken away, exact extents, each ray's own order) and compares. Exit code 1 when a bound is broken.
+Reads the scene folder with NumPy, evaluates each particle on each ray in double precision with PyTorch, sorts the responses of each ray by
+distance and blends them: no projection, no tiles, no code of simuli. Then renders the same time with the program SIMULI
+(without actors, exact extents, per-ray order) and compares. Exit code 1 if a bound is exceeded.
 
-What it knows: pinholes without distortion, spinning LiDARs with their lever arms, sensors that move during a frame; no environment map, no
-colour grid. Needs Python 3.9, numpy and torch (Debian: python3-numpy, python3-torch).
+Supports pinholes without distortion, spinning LiDARs with lever arms, sensors that move during a frame; no environment map, no
+bilateral grid. Needs Python 3.9, numpy and torch (Debian: python3-numpy, python3-torch).
 """
 import json
 import math
@@ -23,8 +23,8 @@ import torch
 ALPHA_CUT, TRANSMITTANCE_CUT, ALPHA_MAX = 1 / 255, 1e-4, 0.999
 CAMERA_FILTER_PX2 = 1 / 12
 SWEEP_S = 0.1
-RAYS_AT_ONCE, PARTICLES_AT_ONCE = 128, 2048  # their products stay in cache
-# Float against double: directions are off by 6e-8, responses at the cut may go the other way.
+RAYS_AT_ONCE, PARTICLES_AT_ONCE = 128, 2048  # sized for the cache
+# Float against double: directions differ by 6e-8, and responses at the cut may be decided differently.
 ONE_SURFACE_M = 0.15  # host/device/render/scene/seen.cpp
 LEAST_PSNR_DB, MOST_MEDIAN_M, MOST_P99_M, MOST_CHANGED, MOST_INTENSITY = 60.0, 1e-4, 2e-3, 1e-3, 1e-3
 torch.set_default_dtype(torch.float64)
@@ -35,7 +35,7 @@ def tensor(values):
 
 
 def read_ply(path):
-    """Columns of a binary little-endian PLY of vertices."""
+    """Returns the columns of a binary little-endian PLY of vertices."""
     kinds = {"float": "<f4", "double": "<f8", "uint": "<u4", "int": "<i4", "uchar": "u1"}
     with open(path, "rb") as file:
         fields, count = [], 0
@@ -48,7 +48,7 @@ def read_ply(path):
 
 
 def read_exr(path):
-    """[height, width, 3] of a scan-line OpenEXR picture, stored or with ZIP compression."""
+    """Returns a scan-line OpenEXR picture, [height, width, 3], uncompressed or with ZIP compression."""
     data = open(path, "rb").read()
     at, header = 8, {}
     while data[at]:
@@ -92,7 +92,7 @@ def read_exr(path):
 
 
 def rotation(q):
-    """[..., 3, 3] of quaternions [..., 4] (w, x, y, z) of any length."""
+    """Returns matrices [..., 3, 3] of quaternions [..., 4] (w, x, y, z) of any norm."""
     w, x, y, z = (q / q.norm(dim=-1, keepdim=True)).unbind(-1)
     return torch.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),
                         2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),
@@ -100,7 +100,7 @@ def rotation(q):
 
 
 def slerp(a, b, u):
-    """Quaternions [N, 4] between a and b [4] on the shorter arc, at shares u [N]."""
+    """Interpolates quaternions a and b [4] on the shorter arc at shares u [N]; returns [N, 4]."""
     a, b = a / a.norm(), b / b.norm()
     b = -b if a @ b < 0 else b
     angle = 2 * torch.atan2((a - b).norm(), (a + b).norm())
@@ -111,13 +111,13 @@ def slerp(a, b, u):
 
 
 def product(a, b):
-    """The quaternion of rotation b, then a."""
+    """Returns the quaternion of rotation b followed by a."""
     return torch.cat([(a[0] * b[0] - a[1:] @ b[1:])[None],
                       a[0] * b[1:] + b[0] * a[1:] + torch.linalg.cross(a[1:], b[1:])])
 
 
 def pose_at(path, mount, origin, time_s):
-    """Quaternion and place (from the scene's origin) of a sensor on the rig at a time."""
+    """Returns quaternion and position (relative to the scene origin) of a sensor on the rig at a time."""
     times = [p["time_ns"] * 1e-9 for p in path]
     k = min(max(int(np.searchsorted(times, time_s, side="right")) - 1, 0), len(path) - 2)
     a, b = path[k], path[k + 1]
@@ -129,7 +129,7 @@ def pose_at(path, mount, origin, time_s):
 
 
 def in_world(start, end, share, origins, directions):
-    """Rays of the sensor, each at its share of the frame: slerp of the rotation, lerp of the centre."""
+    """Transforms rays to the world, each at its share of the frame: slerp of the rotation, lerp of the centre."""
     r = rotation(slerp(start[0], end[0], share))
     centre = (1 - share[:, None]) * start[1] + share[:, None] * end[1]
     turn = lambda v: (r @ v[:, :, None])[:, :, 0]
@@ -137,7 +137,7 @@ def in_world(start, end, share, origins, directions):
 
 
 def camera_rays(camera):
-    """Origins, directions and time shares of all pixels, row by row."""
+    """Returns origins, directions and time shares of all pixels, row by row."""
     if camera["model"] != "pinhole" or camera["shutter"] != "global":
         sys.exit(f"tensor_reference.py: camera: found {camera['model']}, {camera['shutter']}, allowed pinhole, global")
     y, x = torch.meshgrid(torch.arange(camera["height_px"]) + 0.5, torch.arange(camera["width_px"]) + 0.5, indexing="ij")
@@ -147,7 +147,7 @@ def camera_rays(camera):
 
 
 def lidar_rays(lidar):
-    """The same of all firings, beam by beam."""
+    """Returns origins, directions and time shares of all rays, beam by beam."""
     row = lambda key: tensor([r[key] for r in lidar["rows"]])[:, None]
     spin = -1 if lidar["spin"] == "clockwise" else 1
     columns = torch.arange(lidar["columns"], dtype=torch.float64)
@@ -177,7 +177,7 @@ def spherical_harmonics(degree, d):
 
 
 def read_set(path, clamped):
-    """Particles of the background as a dictionary of tensors; `clamped` features are biased by 1/2 and not negative."""
+    """Returns background particles as a dictionary of tensors; `clamped` features are biased by 1/2 and not negative."""
     v = read_ply(path)
     if "actor" in v.dtype.names:
         v = v[v["actor"] == 0]
@@ -193,16 +193,16 @@ def read_set(path, clamped):
 
 
 def monomials(a, b=None):
-    """What a symmetric matrix of 6 entries (xx, yy, zz, xy, xz, yz) is multiplied with to give a'Pb."""
+    """Returns the factors that give a'Pb for a symmetric matrix P with entries (xx, yy, zz, xy, xz, yz)."""
     b = a if b is None else b
     off = lambda i, j: a[:, i] * b[:, j] + a[:, j] * b[:, i]
     return torch.stack([a[:, 0] * b[:, 0], a[:, 1] * b[:, 1], a[:, 2] * b[:, 2], off(0, 1), off(0, 2), off(1, 2)], -1)
 
 
 def render(particles, origins, directions, centre, kappa, background, t_min, t_max, by_range=False):
-    """Features [rays, 3], transmittance, sum of w tau and median distance of all rays (METHOD sections 7 and 8), in each ray's own order,
-    or in that of the particles' ranges."""
-    # All from the sensor's place half-way through the frame.
+    """Returns features [rays, 3], transmittance, sum of w tau and median distance of all rays (METHOD sections 7 and 8), in per-ray order
+    or in order of the particles' ranges."""
+    # Relative to the sensor position in the middle of the frame.
     mean, origins = particles["mean"] - centre, origins - centre
     range2 = (mean * mean).sum(1)
     basis = spherical_harmonics(particles["degree"], mean / range2.sqrt()[:, None])
@@ -222,15 +222,15 @@ def render(particles, origins, directions, centre, kappa, background, t_min, t_m
         o, d = origins[first : first + RAYS_AT_ONCE], directions[first : first + RAYS_AT_ONCE]
         by_n, by_dot = monomials(d), torch.cat([monomials(o, d), d], 1)
         by_square = torch.cat([monomials(o), o, torch.ones_like(o[:, :1])], 1)
-        met = []
+        hits = []
         for i in range(0, len(mean), PARTICLES_AT_ONCE):
             part = slice(i, i + PARTICLES_AT_ONCE)
             n = by_n @ six[part].T            # d'Pd
             dot = by_dot @ linear[part].T     # d'P(o - mu)
             q = by_square @ square[part].T - dot * dot / n
             ray, which = torch.nonzero(q <= q_max[part], as_tuple=True)
-            met.append((ray, which + i, q[ray, which], -dot[ray, which] / n[ray, which]))
-        ray, which, q, tau = (torch.cat(v) for v in zip(*met))
+            hits.append((ray, which + i, q[ray, which], -dot[ray, which] / n[ray, which]))
+        ray, which, q, tau = (torch.cat(v) for v in zip(*hits))
         ray, which, q, tau = (v[(tau > t_min) & (tau < t_max)] for v in (ray, which, q, tau))
         alpha = (particles["opacity"][which] * torch.exp(-0.5 * q)).clamp(max=ALPHA_MAX)
         order = torch.argsort(range2[which] if by_range else tau, stable=True)
@@ -252,7 +252,7 @@ def render(particles, origins, directions, centre, kappa, background, t_min, t_m
 
 
 def rays_of(points, origins, directions):
-    """Of each point the ray on which it lies, and how far it is beside it (m)."""
+    """Returns for each point the nearest ray and the distance from it in m."""
     which, beside = [], []
     for first in range(0, len(points), RAYS_AT_ONCE):
         p = points[first : first + RAYS_AT_ONCE]
@@ -265,7 +265,7 @@ def rays_of(points, origins, directions):
 
 
 def drop_logit(parameters, feature, left, distance):
-    """ln(p / (1 - p)) of the probability p that a ray returns nothing (METHOD section 7); parameters of none: of the logits alone."""
+    """Returns ln(p / (1 - p)) of the ray drop probability p (METHOD section 7); without parameters only from the logits."""
     opacity = 1 - left
     reach = distance + 20 * opacity
     inputs = torch.stack([feature[:, 2] - feature[:, 1], 10 * left, 10 * feature[:, 0],
@@ -337,7 +337,7 @@ def main(program, folder, time_s="1"):
     apart = (tensor(cloud["range"]) - (distance + bias)[which])[both].abs().sort().values
     intensity = (tensor(cloud["intensity"]) - feature[which, 0].clamp(0, 1))[both]
     check(f"{lidar['name']}: returns beside their rays, worst", float(beside.max()), MOST_MEDIAN_M, "m")
-    check(f"{lidar['name']}: rays that return in one only", float((ours != returns).double().mean()), MOST_CHANGED, "of 1")
+    check(f"{lidar['name']}: rays that return in only one", float((ours != returns).double().mean()), MOST_CHANGED, "of 1")
     check(f"{lidar['name']}: distance error, median", float(apart[len(apart) // 2]), MOST_MEDIAN_M, "m")
     check(f"{lidar['name']}: distance error, 99th percentile", float(apart[len(apart) * 99 // 100]), MOST_P99_M, "m")
     check(f"{lidar['name']}: intensity error, RMS", float((intensity**2).mean().sqrt()), MOST_INTENSITY, "of 1")

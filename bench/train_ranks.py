@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""Is a training the same however many ranks share it, and whoever is killed meanwhile? What does sharing gain?
+"""Checks that a training is independent of the number of ranks and of killed ranks, and measures the gain of ranks.
 
   bench/train_ranks.py PROGRAM [hashes] [speed] [kills] [rates] [--kills 20] [--runs 5] [--seed N] [--work FOLDER]
                        [--picture 160x90] [--columns 360]
 
-On the embedded street, by mpirun (oversubscribed), each rank with one thread of PoCL. All parts unless some are named:
+Uses the embedded street and mpirun (oversubscribed); each rank has one thread of PoCL. Runs all parts unless some are named:
   hashes  the scenes of 1, 2 and 4 ranks with 4 shards, and of one process with two devices: SHA-256 of all files
-  speed   1 and 2 ranks in turns, and two trainings apart at once: least seconds of several runs, and what ranks tell
-          each other a step
-  kills   a rank is killed by SIGKILL at a random moment, and others, as many as chance says, go on; again and again
-          until it is done: the files of the undisturbed run
-  rates   the same number of frames in steps of 1, 2 and 4, with rates as they are, times the root, times the number
-Exit code 1 where bits differ.
+  speed   1 and 2 ranks in turns, and two separate concurrent trainings: minimum seconds of several runs, and the data
+          exchanged between ranks per step
+  kills   kills a rank by SIGKILL at a random time and resumes with a random number of ranks, until the training is
+          finished: the files must equal those of the undisturbed run
+  rates   the same number of frames in steps of 1, 2 and 4, with unchanged learning rates, scaled by the root, and by the number
+Exit code 1 if bits differ.
 """
 import argparse
 import concurrent.futures
@@ -67,10 +67,10 @@ def scene_hash(scene):
 
 
 def train(args, ranks, name, *options, **environment):
-    """JSON of the training and its scene's hash."""
+    """Returns the JSON report of the training and the hash of its scene."""
     command = [args.program, "--json", "train", "s.log", "-o", name, "--overwrite", "--set", "init.voxel_m=0.2", *options]
-    told = json.loads(run(launched(ranks, command), args.work, **environment))
-    return told, scene_hash(args.work / name)
+    report = json.loads(run(launched(ranks, command), args.work, **environment))
+    return report, scene_hash(args.work / name)
 
 
 def hashes(args):
@@ -78,9 +78,9 @@ def hashes(args):
                "--set", "color_grids=pictures", "--set", "actors.track.learn=true"]
     found = {}
     for ranks in (1, 2, 4):
-        told, found[f"{ranks} ranks"] = train(args, ranks, f"h{ranks}.scene", *options)
-        print(f"{ranks} ranks: {found[f'{ranks} ranks']}, {told['train_psnr_db']:.3f} dB", flush=True)
-    # Two devices of one process are alike where the driver says so of its own copies.
+        report, found[f"{ranks} ranks"] = train(args, ranks, f"h{ranks}.scene", *options)
+        print(f"{ranks} ranks: {found[f'{ranks} ranks']}, {report['train_psnr_db']:.3f} dB", flush=True)
+    # Two devices of one process give equal bits if the driver's copies are equal.
     _, found["2 devices"] = train(args, 1, "hd.scene", "--device", "0,1", *options, POCL_DEVICES="pthread pthread")
     print(f"2 devices of one process: {found['2 devices']}", flush=True)
     return len(set(found.values())) == 1
@@ -91,18 +91,18 @@ def speed(args):
     seconds, apart = {1: [], 2: []}, []
     for _ in range(args.runs):
         for ranks in seconds:
-            told, _ = train(args, ranks, "t.scene", *options)
-            seconds[ranks].append(told["seconds"])
-        # Two that share nothing but the machine: no two ranks can be faster.
+            report, _ = train(args, ranks, "t.scene", *options)
+            seconds[ranks].append(report["seconds"])
+        # Two separate trainings on one machine: the lower bound of two ranks.
         with concurrent.futures.ThreadPoolExecutor(2) as both:
-            apart.append(max(told["seconds"] for told, _ in
+            apart.append(max(report["seconds"] for report, _ in
                              both.map(lambda k: train(args, 1, f"apart{k}.scene", *options), range(2))))
-    gathered = told["gathered_bytes"] / told["iterations"]
+    gathered = report["gathered_bytes"] / report["iterations"]
     least = {ranks: min(times) for ranks, times in seconds.items()}
     print(f"training alone, least of {args.runs}: 1 rank {least[1]:.2f} s, 2 ranks {least[2]:.2f} s: "
           f"{least[1] / least[2]:.2f} times as fast; two trainings apart {min(apart):.2f} s: "
           f"{2.0 * least[1] / min(apart):.2f} times one after the other; {gathered / 1e6:.2f} MB gathered a step "
-          f"({told['camera_particles']} + {told['lidar_particles']} particles)", flush=True)
+          f"({report['camera_particles']} + {report['lidar_particles']} particles)", flush=True)
     print("  all: " + "; ".join(f"{r} ranks " + ", ".join(f"{s:.2f}" for s in t) for r, t in seconds.items()) +
           "; apart " + ", ".join(f"{s:.2f}" for s in apart))
     return True
@@ -120,7 +120,7 @@ def kills(args):
         for path in args.work.glob("killed.scene*"):
             shutil.rmtree(path) if path.is_dir() else path.unlink()
         while True:
-            ranks = random.choice([r for r in (1, 2, 4) if r != last])  # never as many as before
+            ranks = random.choice([r for r in (1, 2, 4) if r != last])  # always another number
             last = ranks
             started.append(ranks)
             command = launched(ranks, [args.program, "train", "s.log", "-o", "killed.scene", "--resume", "--set",
@@ -153,9 +153,9 @@ def rates(args):
         for seed in (1, 2):
             train(args, 1, "r.scene", "--iterations", str(frames // shards), "--seed", str(seed), "--set",
                   f"shards={shards}", POCL_MAX_PTHREAD_COUNT="2")
-            told = json.loads(run([args.program, "--json", "eval", "r.scene", "s.log"], args.work,
+            report = json.loads(run([args.program, "--json", "eval", "r.scene", "s.log"], args.work,
                                   POCL_MAX_PTHREAD_COUNT="2"))
-            scores.append((told["psnr_db"], told["ssim"], 100 * told["distance_median_m"], told["raydrop_accuracy"]))
+            scores.append((report["psnr_db"], report["ssim"], 100 * report["distance_median_m"], report["raydrop_accuracy"]))
         mean = [sum(values) / len(scores) for values in zip(*scores)]
         print(f"| {shards} | {frames // shards} | {mean[0]:.2f} | {mean[1]:.4f} | {mean[2]:.2f} | "
               f"{100 * mean[3]:.2f} | {abs(scores[0][0] - scores[1][0]):.2f} dB |", flush=True)
@@ -172,7 +172,7 @@ def main():
     parser.add_argument("--picture", default="160x90", help="of the street's camera, px")
     parser.add_argument("--columns", type=int, default=360, help="of its LiDAR")
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--work", type=pathlib.Path, help="folder to make; default: a temporary one, removed again")
+    parser.add_argument("--work", type=pathlib.Path, help="folder to write; default: a temporary folder")
     args = parser.parse_args()
     if shutil.which("mpirun") is None:
         sys.exit("train_ranks.py: mpirun: found none, allowed one that is installed (openmpi-bin)")

@@ -1,15 +1,15 @@
-"""How soon the viewer's page answers a drag: view_drag.py URL [picture|points]
+"""Measures the latency of the viewer's page during a drag: view_drag.py URL [picture|points]
 
-URL is that of `simuli view SCENE`, in the page of which a headless Chromium (playwright drives it) drags 80 times, 40 ms
-apart: the camera's picture, or the 3D view with the rendered picture in it. Prints the time from a move of the pointer to
-the picture that has it, ms.
+URL: address of `simuli view SCENE`. A headless Chromium (controlled by playwright) drags 80 times in the page, 40 ms
+apart: the camera picture, or the 3D view with the rendered picture in it. Prints the time in ms from a move of the
+pointer to the picture that includes it.
 """
 import statistics
 import sys
 
 from playwright.sync_api import sync_playwright
 
-# What moves before a picture is asked for is in it.
+# A picture includes all moves before its request.
 WATCH = """canvas => {
   const pane = canvas === 'picture' ? camera : photo, {load, paint} = pane;
   let moves = [];

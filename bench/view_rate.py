@@ -1,7 +1,7 @@
-"""Pictures per second of the viewer: view_rate.py URL CAMERA WIDTH [QUALITY]
+"""Measures pictures per second of the viewer: view_rate.py URL CAMERA WIDTH [QUALITY]
 
-URL is that of `simuli view SCENE`; CAMERA one of the scene or a built-in one. Asks for 60 pictures along the path, one
-after the other as the page does while it drives, and prints what the device and the JPEG took, and how many came a second.
+URL: address of `simuli view SCENE`; CAMERA: a camera of the scene or a built-in camera. Requests 60 pictures along the
+trajectory, one after the other as the page does in motion, and prints the times of the device and of the JPEG encoder and the rate.
 """
 import json
 import statistics

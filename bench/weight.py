@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""What the code base weighs: lines by folder, settings, public headers, words of pages, headers that a source reads.
+"""Measures the size of the code base: lines by folder, settings, public headers, words of pages, included headers.
 
   bench/weight.py [COMMIT] [--build FOLDER] [--program SIMULI]
 
-Lines are those of tracked sources (C++, OpenCL C, Python, JavaScript, CMake, protocols), blank lines and comments too.
---build: a build folder of Ninja; adds the median and the largest number of own headers that a unit reads.
---program: adds the keys that `train --set help` shows. Without COMMIT: the working tree as it is committed.
+Lines are lines of tracked sources (C++, OpenCL C, Python, JavaScript, CMake, protocols), including blank lines and comments.
+--build: a build folder of Ninja; adds the median and the maximum number of included own headers per unit.
+--program: adds the keys of `train --set help`. Without COMMIT: the working tree as committed.
 """
 import argparse
 import re
@@ -21,7 +21,7 @@ def git(*arguments):
 
 
 def text_of(commit, files):
-    """The text of each file at the commit, by one process."""
+    """Returns the text of each file at the commit, read by one process."""
     asked = "".join(f"{commit}:{file}\n" for file in files).encode()
     out = subprocess.run(["git", "cat-file", "--batch"], input=asked, capture_output=True, check=True).stdout
     texts, at = {}, 0
@@ -34,7 +34,7 @@ def text_of(commit, files):
 
 
 def headers_of(build):
-    """How many of our own headers each unit reads, from what Ninja keeps of the compiler's answers."""
+    """Returns the number of included own headers per unit, from the dependency database of Ninja."""
     listing = subprocess.run(["ninja", "-C", build, "-t", "deps"], capture_output=True, text=True, check=True).stdout
     counts = []
     for unit in listing.split("\n\n"):

@@ -12,7 +12,7 @@
 namespace simuli::bench {
 namespace {
 
-/// A line of the table: one value, or two that belong together.
+/// A line of the table: one value, or two related values.
 struct Line {
   const char* name;
   const char* key;
@@ -159,7 +159,7 @@ std::optional<DriveRow> kept_row(const std::filesystem::path& file, const std::s
   if (!std::filesystem::exists(file)) return {};
   return read_json_text(read_file(file), file.string(), [&](JsonObject& root) -> std::optional<DriveRow> {
     const bool same =
-        root.get("identity") == Json(identity);  // of several lines, which text() would not have
+        root.get("identity") == Json(identity);  // a text of several lines, which text() rejects
     DriveRow row;
     root.object("row", [&](JsonObject& object) {
       row.drive = object.text("drive");

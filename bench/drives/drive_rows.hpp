@@ -1,5 +1,5 @@
 #pragma once
-// What is measured on a drive, as the table that the README has.
+// Measurements on drives as the table of the README.
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,36 +11,36 @@
 
 namespace simuli::bench {
 
-/// One training and what held-out frames say of it.
+/// One training and its scores on held-out frames.
 struct DriveRow {
   std::string drive;
-  bool labels = false;                                 // trained with the log's own boxes
-  std::string frames;                                  // that were held out, in words
-  std::vector<std::string> settings;                   // other than `simuli train` has without any
-  std::vector<std::pair<std::string, double>> values;  // by key, unit in the name; NaN: there is none
+  bool labels = false;                // trained with the boxes of the log
+  std::string frames;                 // description of the held-out frames
+  std::vector<std::string> settings;  // settings that differ from the defaults of `simuli train`
+  std::vector<std::pair<std::string, double>> values;  // by key with the unit in the name; NaN: not available
 
-  [[nodiscard]] double value(const std::string& key) const;  // NaN when it isn't there
-  /// "0013, boxes of the log", "0052".
+  [[nodiscard]] double value(const std::string& key) const;  // NaN if absent
+  /// Returns "0013, boxes of the log" or "0052".
   [[nodiscard]] std::string title() const;
 };
 
-/// `train_s`: seconds of the training without its start. `processor_s`: of all threads, from the log that was
-/// read to the scene.
+/// `train_s`: time of the training without initialisation, s. `processor_s`: CPU time of all threads, from
+/// reading the log to the scene.
 [[nodiscard]] std::vector<std::pair<std::string, double>> values_of(const EvalReport& report,
                                                                     const TrainingReport& training,
                                                                     double train_s,
                                                                     double processor_s);
 
-/// Metrics downwards, a column for each row.
+/// Returns a table with one metric per line and one row of measurements per column.
 [[nodiscard]] std::string to_markdown(const std::vector<DriveRow>& rows);
-/// An array with an object for each row.
+/// Returns an array with one object per row.
 [[nodiscard]] std::string to_json(const std::vector<DriveRow>& rows);
-/// One line that tells of the row.
+/// Returns a one-line summary of the row.
 [[nodiscard]] std::string to_line(const DriveRow& row);
 
-/// Rows that are kept: as one JSON file each, beside what they are of (`identity`).
+/// Stores the row as a JSON file together with `identity`, a description of its inputs.
 void keep_row(const std::filesystem::path& file, const DriveRow& row, const std::string& identity);
-/// Nothing when the file is not there or of another identity. Error{kInput} when it is no such file.
+/// Returns no value if the file is missing or has another identity. Throws Error{kInput} for an invalid file.
 [[nodiscard]] std::optional<DriveRow> kept_row(const std::filesystem::path& file,
                                                const std::string& identity);
 

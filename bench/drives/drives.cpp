@@ -26,7 +26,7 @@ constexpr int kCheckpointEvery = 200;
 
 std::string key_of(const std::string& setting) { return setting.substr(0, setting.find('=')); }
 
-/// `over` before `under`: what both name is as `over` has it.
+/// Merges settings; `over` has priority over `under`.
 std::vector<std::string> joined(std::vector<std::string> over, const std::vector<std::string>& under) {
   const std::vector<std::string> first = over;
   for (const std::string& setting : under) {
@@ -36,7 +36,7 @@ std::vector<std::string> joined(std::vector<std::string> over, const std::vector
   return over;
 }
 
-/// The lines that `options` have and `simuli train` without options has not.
+/// Returns the settings that differ from `simuli train` without options.
 std::vector<std::string> own_lines(const TrainingOptions& options) {
   const std::vector<std::string> plain = lines_of(training_options("", {})), own = lines_of(options);
   std::vector<std::string> out;
@@ -46,28 +46,28 @@ std::vector<std::string> own_lines(const TrainingOptions& options) {
   return out;
 }
 
-/// The program that measures: rows of another build are made again.
+/// Returns an identifier of the program: rows of other builds are computed again.
 std::string program_stamp() {
-  const fs::path program = "/proc/self/exe";  // is found, too, when a newer one has taken its place
+  const fs::path program = "/proc/self/exe";  // also valid after the file has been replaced
   return fmt::format("simuli {} {} {}",
                      version(),
                      fs::file_size(program),
                      fs::last_write_time(program).time_since_epoch().count());
 }
 
-/// Whether the log has boxes of things that move.
+/// Whether the log contains boxes of moving objects.
 bool has_boxes(const Log& log, const TrainingOptions& options) {
   return !moving_actors(log.actors, options.init.actor_min_travel_m).empty();
 }
 
-/// A drive's trainings.
+/// Trainings of a drive.
 struct Case {
   const Drive* drive;
-  bool labels;                           // the log's own boxes are trained with
-  std::vector<TrainingOptions> lengths;  // the same but for their iterations, which ascend; one row each
+  bool labels;                           // trained with the boxes of the log
+  std::vector<TrainingOptions> lengths;  // equal except for ascending iterations; one row each
 };
 
-/// Lengths of which one has the quality that is asked for.
+/// Returns lengths that double, to find the first that reaches a quality.
 std::vector<std::string> doublings() {
   std::vector<std::string> out;
   constexpr int kFirst = 100, kTimes = 6;
@@ -75,7 +75,7 @@ std::vector<std::string> doublings() {
   return out;
 }
 
-/// Seconds that all threads of this process have computed.
+/// Returns the CPU time of all threads of this process in s.
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 std::vector<Case> cases_of(const std::vector<Drive>& drives, const DrivesOptions& asked) {
@@ -104,10 +104,10 @@ std::vector<Case> cases_of(const std::vector<Drive>& drives, const DrivesOptions
   return cases;
 }
 
-/// Says how far all trainings together are.
-class Teller {
+/// Reports the progress of all trainings.
+class ProgressReport {
  public:
-  Teller(const std::vector<Case>& cases, const Note& note) : note_(note) {
+  ProgressReport(const std::vector<Case>& cases, const Note& note) : note_(note) {
     for (const Case& c : cases) {
       for (const TrainingOptions& o : c.lengths) left_ += o.train.iterations;
     }
@@ -121,9 +121,9 @@ class Teller {
   void step(const TrainStatus& status) {
     left_ -= 1.0;
     if (first_ == kUnknown) {
-      // It compiles what is not in a cache: its time tells nothing of the others'.
-      constexpr double kWorthTelling_s = 5.0;
-      if (watch_.seconds() > kWorthTelling_s) {
+      // The first iterations compile kernels; their time does not predict the remaining time.
+      constexpr double kLeastReported_s = 5.0;
+      if (watch_.seconds() > kLeastReported_s) {
         note_(fmt::format("{}: kernels compiled in {:.0f} s", title_, watch_.seconds()));
       }
       first_ = status.iteration;
@@ -146,29 +146,29 @@ class Teller {
   std::string title_;
   Stopwatch watch_, told_;
   static constexpr int kUnknown = -1;
-  int first_ = kUnknown;  // iteration from which on the time counts
+  int first_ = kUnknown;  // first iteration of the time measurement
   double left_ = 0.0;     // iterations
 };
 
-/// What a training has taken so far.
+/// Time of a training so far.
 struct Taken {
-  double wall_s = 0.0;       // without its start
-  double processor_s = 0.0;  // with it
+  double wall_s = 0.0;       // without initialisation
+  double processor_s = 0.0;  // with initialisation
 };
 
-/// Where the training of a row is kept.
+/// Folder that stores the training of a row.
 class Keeper {
  public:
   Keeper(fs::path place, const std::string& identity) : place_(std::move(place)), identity_(identity) {
-    const fs::path told = place_ / "identity.txt";
-    if (fs::exists(told) && read_file(told) == identity) return;
+    const fs::path identity_file = place_ / "identity.txt";
+    if (fs::exists(identity_file) && read_file(identity_file) == identity) return;
     fs::remove_all(place_);  // of another program, log or settings
     fs::create_directories(place_);
-    write_file_atomically(told, identity);
+    write_file_atomically(identity_file, identity);
   }
   [[nodiscard]] std::optional<DriveRow> row() const { return kept_row(place_ / "row.json", identity_); }
   [[nodiscard]] fs::path checkpoint() const { return place_ / "checkpoint"; }
-  /// The training as it stands, with what it has taken.
+  /// Saves the training and its times so far.
   void save(Training& training, const Taken& taken) const {
     training.save(checkpoint());
     write_file_atomically(place_ / "seconds.txt", fmt::format("{} {}", taken.wall_s, taken.processor_s));
@@ -188,19 +188,22 @@ class Keeper {
   std::string identity_;
 };
 
-/// Trains and compares, case by case.
+/// Trains and compares case by case.
 class Drives {
  public:
-  Drives(
-      const Device& device, const DrivesOptions& options, fs::path folder, Teller& teller, const Note& note)
-      : device_(device), options_(options), folder_(std::move(folder)), teller_(teller), note_(note) {}
+  Drives(const Device& device,
+         const DrivesOptions& options,
+         fs::path folder,
+         ProgressReport& progress,
+         const Note& note)
+      : device_(device), options_(options), folder_(std::move(folder)), progress_(progress), note_(note) {}
 
   void run(const Case& c) {
     for (const TrainingOptions& options : c.lengths) {
       DriveRow row{c.drive->name, c.labels, held_out_text(options.frames), own_lines(options), {}};
       const Keeper keeper(place_of(row, options), identity_of(c, options));
       if (std::optional<DriveRow> kept = keeper.row()) {
-        teller_.skip(options.train.iterations);
+        progress_.skip(options.train.iterations);
         row = std::move(*kept);
       } else {
         row = measure(c, options, std::move(row), keeper);
@@ -217,7 +220,7 @@ class Drives {
   [[nodiscard]] fs::path place_of(const DriveRow& row, const TrainingOptions& options) const {
     return folder_ / fmt::format("{}{}_{}", row.drive, row.labels ? "_boxes" : "", options.train.iterations);
   }
-  /// Says what the quality that is asked for has taken.
+  /// Whether the row reaches options_.time_to_db.
   [[nodiscard]] bool is_reached(const DriveRow& row) const {
     const double db = options_.time_to_db;
     if (db <= 0.0 || row.value("psnr_db") < db) return false;
@@ -251,20 +254,20 @@ class Drives {
     } else {
       training.prepare();
     }
-    teller_.begin(row);
+    progress_.begin(row);
     const Stopwatch watch;
     const auto taken = [&] {
       return Taken{before.wall_s + watch.seconds(), before.processor_s + processor_seconds() - begun_s};
     };
     const bool is_kept = !options_.keep.empty();
     training.run([&](const TrainStatus& status) {
-      teller_.step(status);
+      progress_.step(status);
       if (is_kept && status.iteration % kCheckpointEvery == 0) keeper.save(training, taken());
     });
     const double train_s = taken().wall_s;
     const SceneFile scene = training.result();
     const double processor_s = taken().processor_s;
-    // The log with its boxes, which tell what is inside them whoever trained.
+    // The log with its boxes, which select the pixels and rays of actors for all trainings.
     const EvalReport report = compare(device_, c.drive->log, scene, {});
     row.values = values_of(report, training.report(), train_s, processor_s);
     if (is_kept) keeper.keep(row, scene);
@@ -274,7 +277,7 @@ class Drives {
   Device device_;
   const DrivesOptions& options_;
   fs::path folder_;
-  Teller& teller_;
+  ProgressReport& progress_;
   const Note& note_;
   std::vector<DriveRow> rows_;
 };
@@ -289,14 +292,14 @@ std::vector<DriveRow> run_drives(const std::string& device_request,
   const ScratchFolder scratch("simuli_bench");
   std::vector<Drive> drives;
   for (const std::string& text : options.drives) {
-    // Drives of one name are no obstacle to each other's import.
+    // Separate folders, because drives may have the same name.
     const fs::path folder = scratch.path() / std::to_string(drives.size());
     fs::create_directory(folder);
     drives.push_back(open_drive(text, folder));
   }
   const std::vector<Case> cases = cases_of(drives, options);
-  Teller teller(cases, note);
-  Drives all(device, options, options.keep.empty() ? scratch.path() / "rows" : options.keep, teller, note);
+  ProgressReport progress(cases, note);
+  Drives all(device, options, options.keep.empty() ? scratch.path() / "rows" : options.keep, progress, note);
   for (const Case& c : cases) all.run(c);
   return std::move(all).rows();
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What the program makes of recorded drives: the table that the README has.
+// Measures recorded drives for the table of the README.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,20 +11,20 @@
 namespace simuli::bench {
 
 struct DrivesOptions {
-  std::vector<std::string> drives;  // as open_drive() takes them
-  /// Iterations, ascending: a training, and a row, for each. Empty: as many as by default.
+  std::vector<std::string> drives;  // in the format of open_drive()
+  /// Iterations, ascending: one training and one row for each. Empty: the default.
   std::vector<std::string> lengths;
-  std::vector<std::string> settings;  // "key=value" of every training
-  /// Where rows, scenes and checkpoints are kept: what is there and of the same log, settings and program is
-  /// not made again. Empty: nothing is kept.
+  std::vector<std::string> settings;  // "key=value", for all trainings
+  /// Folder for rows, scenes and checkpoints; results with the same log, settings and program are reused.
+  /// Empty: none.
   std::filesystem::path keep;
-  /// Trainings of a drive end with the first whose held-out pictures have so many dB; 0: all are made.
+  /// Stops the trainings of a drive after the first whose held-out pictures reach this PSNR in dB; 0: never.
   double time_to_db = 0.0;
 };
 
-/// Trains on each drive as `simuli train` does without options and compares as `simuli eval` does; a drive
-/// whose log has boxes of things that move once with them and once without, boxes telling what is inside them
-/// in both cases. `note` hears of each row when it is there, and of the time that is left.
+/// Trains on each drive with the defaults of `simuli train` and evaluates as `simuli eval` does. A drive with
+/// boxes of moving objects is trained with and without them; the boxes define the pixels and rays of actors
+/// in both cases. `note` receives each finished row and the remaining time.
 [[nodiscard]] std::vector<DriveRow> run_drives(const std::string& device_request,
                                                const DrivesOptions& options,
                                                const Note& note);

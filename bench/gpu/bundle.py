@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Packs what bench/gpu/run.py needs for a machine that has nothing but a driver, glibc and Python: bundle.py BIN FOLDER
+"""Packs the files of bench/gpu/run.py for a machine with only a driver, glibc and Python: bundle.py BIN FOLDER
 
-FOLDER/bin holds the programs, FOLDER/lib the shared libraries they load (glibc and OpenCL drivers excepted), FOLDER/bench the scripts. Then, there:
+FOLDER/bin contains the programs, FOLDER/lib their shared libraries (except glibc and OpenCL drivers), FOLDER/bench the scripts. Run on the machine:
   FOLDER/bench/gpu/run.py FOLDER/bin
-Programs are scripts that set the library path; debugging symbols are left out.
+The programs are scripts that set the library path; debugging symbols are removed.
 """
 import pathlib
 import shutil
@@ -14,12 +14,12 @@ from run import TESTS
 
 PROGRAMS = ("simuli", "simuli-bench", *TESTS)
 SCRIPTS = ("drivers.py", "tensor_reference.py", "gpu/run.py", "gpu/icd.py", "gpu/model.py", "gpu/gsplat_peer.py")
-# Of every machine, or to be the machine's own.
+# Libraries that each machine has or must provide.
 LEFT = ("linux-vdso.so", "ld-linux", "libc.so", "libm.so", "libpthread.so", "libdl.so", "librt.so", "libresolv.so")
 LAUNCHER = """#!/bin/sh
 here=$(dirname "$(readlink -f "$0")")
 folders="$here/../lib"
-# Drivers of a newer system ask for newer libraries than those packed: its own go first where its C++ library is as new.
+# Drivers of a newer system need newer libraries than the packed ones: the system's come first if its C++ library is as new.
 theirs=$(PATH="$PATH:/usr/sbin:/sbin" ldconfig -p 2>/dev/null | sed -n 's|.*x86-64.*=> \\(/.*\\)/libstdc++.so.6$|\\1|p' | head -n 1)
 if [ -n "$theirs" ]; then
   oldest=$(printf '%s\\n' CPP "$(basename "$(readlink -f "$theirs/libstdc++.so.6")")" | sort -V | head -n 1)
@@ -63,7 +63,7 @@ def main():
         launcher = folder / "bin" / name
         launcher.write_text(LAUNCHER.replace("NAME", name).replace("CPP", cpp.resolve().name))
         launcher.chmod(0o755)
-    for late in (programs.parent / "lib").glob("libsimuli_*.so.*"):  # loaded by the programs when they need it
+    for late in (programs.parent / "lib").glob("libsimuli_*.so.*"):  # loaded by the programs on demand
         shutil.copy(late, folder / "lib")
         pack_libraries(late, folder / "lib")
     here = pathlib.Path(__file__).resolve().parent.parent

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""gsplat and simuli render the same particles from the same place: gsplat_peer.py BIN [--demo FOLDER] [--frame N] [--size WxH] [--json]
+"""Renders the same particles with gsplat and simuli: gsplat_peer.py BIN [--demo FOLDER] [--frame N] [--size WxH] [--json]
 
-FOLDER: what `simuli demo -o FOLDER` made; left out, it is made. Both render the camera set without actors, at rest, at 640 x 360 unless told
-otherwise: gsplat by its CUDA rasteriser where PyTorch has a device, else by its own projection and spherical harmonics in pure Python, and
-a loop over particles in the place of its rasteriser (whose picture counts, not its time). Ours is exact extents and order by range ("balanced").
+FOLDER: output of `simuli demo -o FOLDER`; without it the demo runs first. Both render the camera set without actors, at rest, by default at
+640 x 360: gsplat with its CUDA rasteriser if PyTorch has a device, else with its projection and spherical harmonics in pure Python and
+a loop over particles instead of its rasteriser (only the picture is valid, not the time). Simuli uses exact extents and order by range ("balanced").
 
-Prints the times of a frame (gsplat: median of 50 after 10; ours: `simuli bench --trade`, the same camera along the whole drive) and the PSNR
-between both pictures where ours lets through less than 1 % of what is behind. Tile 16 x 16 and cut-offs of 1/255 and 1e-4 in both. Exit code 77
-where PyTorch, NumPy or gsplat are missing.
+Prints the times of a frame (gsplat: median of 50 after 10; simuli: `simuli bench --trade`, the same camera along the complete drive) and the PSNR
+between both pictures in pixels with a transmittance below 1 %. Both use tiles of 16 x 16 and cut-offs of 1/255 and 1e-4. Exit code 77
+if PyTorch, NumPy or gsplat are missing.
 """
 import argparse
 import json
@@ -28,7 +28,7 @@ except ImportError as error:
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent))
 import tensor_reference  # noqa: E402
 
-torch.set_default_dtype(torch.float32)  # tensor_reference wants double
+torch.set_default_dtype(torch.float32)  # tensor_reference sets double
 
 
 def run(*words):
@@ -39,14 +39,14 @@ def run(*words):
 
 
 def particles(ply, device):
-    """means, quaternions wxyz, scales, opacities, SH [N, K, 3]"""
+    """Returns means, quaternions wxyz, scales, opacities, SH [N, K, 3]."""
     p = tensor_reference.read_set(ply, 3)
     quats = torch.nn.functional.normalize(p["quaternion"], dim=-1)
     return tuple(x.float().to(device) for x in (p["mean"], quats, p["scale"], p["opacity"], p["sh"]))
 
 
 def stand_in(means, quats, scales, opacities, sh, view, k, width, height):
-    """gsplat's pure-Python projection and colours, blended particle by particle."""
+    """Blends gsplat's pure-Python projection and colours particle by particle."""
     degree = int(round(sh.shape[1] ** 0.5)) - 1
     covariances, _ = _torch_impl._quat_scale_to_covar_preci(quats, scales, True, False)
     radii, means2d, depths, conics, _ = _torch_impl._fully_fused_projection(means, covariances, view[None], k[None], width, height)
@@ -73,7 +73,7 @@ def stand_in(means, quats, scales, opacities, sh, view, k, width, height):
 
 
 def rasterized(arguments, view, k, width, height):
-    """The picture, and milliseconds."""
+    """Returns the picture and the time in ms."""
     from gsplat import rasterization
     means, quats, scales, opacities, sh = arguments
     degree = int(round(sh.shape[1] ** 0.5)) - 1

@@ -1,4 +1,4 @@
-"""Finds OpenCL drivers, also those that no .icd file names: in containers a GPU's driver often lies in a folder of its own."""
+"""Finds OpenCL drivers, including drivers without an .icd file: in containers a GPU's driver is often in a separate folder."""
 import ctypes
 import os
 import pathlib
@@ -19,7 +19,7 @@ def loads(library):
 
 
 def unregistered():
-    """Libraries of GPU drivers that load and that no .icd file names."""
+    """Returns loadable libraries of GPU drivers without an .icd file."""
     vendors = pathlib.Path(os.environ.get("OCL_ICD_VENDORS", REGISTERED))
     named = {pathlib.Path(file.read_text().strip()).name for file in vendors.glob("*.icd")} if vendors.is_dir() else set()
     found = []
@@ -35,7 +35,7 @@ def unregistered():
 
 
 def vendors_folder(into):
-    """A folder for OCL_ICD_VENDORS with what is registered and what is not; None where nothing is to be added."""
+    """Returns a folder for OCL_ICD_VENDORS with registered and unregistered drivers; None if all are registered."""
     extra = unregistered()
     if not extra:
         return None

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""What a frame should cost on a GPU that nobody here has: written down before it is measured, to be judged by it.
+"""Predicts the time of a frame on GPUs from data sheets, before a measurement is available.
 
   bench/gpu/model.py STAGES.json [--card NAME] [--json]
 
-STAGES.json: what `simuli bench --stages --json` wrote, on any device: how many particles a frame sees and how many pairs of a tile and a
-particle it has come from there, and what each stage computes and moves at least.
+STAGES.json: output of `simuli bench --stages --json` on any device: the numbers of visible particles and tile-particle pairs of a frame,
+and the minimum arithmetic and traffic of each stage.
 
-A stage takes launches x the time of a launch, waits x the time of a read-back, and beside those the longer of its arithmetic over what the
-card reaches of its peak, and its traffic over what it reaches of its bandwidth. What blending computes is counted as GPUs do it: all rays of
-a tile look at all its particles, whoever is hit. Shares of peaks: REACHED, the same for all cards.
+The time of a stage is launches x the time of a launch + waits x the time of a read-back + the maximum of arithmetic over the reached share of
+the card's peak and traffic over the reached share of its bandwidth. The arithmetic of blending is counted as on GPUs: each ray of a tile
+tests all particles of the tile. REACHED: shares of the peaks, the same for all cards.
 """
 import argparse
 import json
@@ -16,20 +16,20 @@ import pathlib
 import sys
 
 TILE_RAYS = 256
-# Operations of a ray that looks at a particle and of one that it changes (bench/render/roofline.cpp, camera at rest and with origins).
+# Operations per tested particle of a ray and per particle that changes it (bench/render/roofline.cpp, camera at rest and with origins).
 RESPOND, RESPOND_WITH_ORIGINS, BLEND, BLEND_BACKWARD = 24, 57, 31, 123
-BYTES_PER_PAIR = 20  # of a pass of the sort: keys read twice, values once, both written
+BYTES_PER_PAIR = 20  # per sort pass: keys are read twice, values once, both are written
 SORT_BITS, RANGE_BITS = 8, 32
 
-# Peak float arithmetic and memory bandwidth as the vendors' data sheets have them; a launch and a read-back of a few bytes through an in-order
-# OpenCL queue as drivers are known for.
+# Peak float arithmetic and memory bandwidth from the vendors' data sheets; typical times of a launch and of a read-back of a few bytes in an
+# in-order OpenCL queue.
 CARDS = {
     "H100": {"tflop_s": 66.9, "gbyte_s": 3350.0, "launch_us": 4.0, "wait_us": 20.0},
     "RX 7900 XTX": {"tflop_s": 30.7, "gbyte_s": 960.0, "launch_us": 6.0, "wait_us": 35.0},  # without its dual issue
     "Arc A770": {"tflop_s": 19.7, "gbyte_s": 560.0, "launch_us": 8.0, "wait_us": 40.0},
 }
-# Of the peak: contraction is off, so that half of the arithmetic is no FMA (x 0.6); by registers a third to two thirds of the waves fit (the
-# compile table), tiles are uneven and a wave waits for its slowest ray (x 0.5). Of the bandwidth: streams 70 %, gathers of 64 bytes 35 %.
+# Share of the peak: contraction is off, so half of the arithmetic is no FMA (x 0.6); registers limit occupancy to a third to two thirds (the
+# compile table), tiles are uneven and a wave waits for its slowest ray (x 0.5). Share of the bandwidth: streams 70 %, gathers of 64 bytes 35 %.
 REACHED = {"project": (0.25, 0.7), "bin": (1.0, 0.35), "sort": (1.0, 0.5), "blend": (0.3, 0.35), "blend_backward": (0.2, 0.35),
            "project_backward": (0.2, 0.5)}
 
@@ -39,14 +39,14 @@ def sort_passes(bits):
 
 
 def launches(tiles):
-    """(launches, waits) of each stage: counted in the launchers (host/device/render/frame, host/device/render/device)."""
+    """Returns (launches, waits) of each stage, counted in the launchers (host/device/render/frame, host/device/render/device)."""
     passes = sort_passes(RANGE_BITS) + sort_passes(max(1, (tiles - 1).bit_length()))
     return {"rays": (1, 0), "project": (2, 0), "bin": (5 + 4, 1), "sort": (4 * passes, 0), "blend": (1, 0), "blend_backward": (4, 0),
             "project_backward": (1, 0)}
 
 
 def work_of(rows, base, moving):
-    """GFLOP and GB of each stage, as a GPU does it."""
+    """Returns GFLOP and GB of each stage on a GPU."""
     def row(name):
         return rows[f"{base}/{name}"]
     work = {stage: [row(f"{stage}/arithmetic") * 1e-3 if f"{base}/{stage}/arithmetic" in rows else 0.0, row(f"{stage}/traffic") * 1e-3]
@@ -62,7 +62,7 @@ def work_of(rows, base, moving):
 
 
 def predict(rows, base, card, moving=False):
-    """{stage: ms} and what a frame and its backward pass take."""
+    """Returns {stage: ms} and the times of a frame and its backward pass."""
     work, tiles = work_of(rows, base, moving)
     counts = launches(tiles)
     out = {}

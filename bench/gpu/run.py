@@ -1,24 +1,24 @@
 #!/usr/bin/env python3
-"""Everything there is to know of simuli on a machine with a GPU, in one command and on one page.
+"""Measures and tests simuli on a machine with a GPU, with one command and one page of results.
 
   bench/gpu/run.py BIN [-o FOLDER] [--device NAME] [--as-gpu] [--parts PART ...] [--frames N] [--limit SECONDS]
 
-BIN     folder of the built programs (build/release/bin, build/dev/bin, or a folder that bench/gpu/bundle.py made)
-FOLDER  page.md, page.json and each program's output; default: gpu_page
+BIN     folder of the built programs (build/release/bin, build/dev/bin, or a folder made by bench/gpu/bundle.py)
+FOLDER  page.md, page.json and the output of each program; default: gpu_page
 
-Parts, in their order; one that fails is told on the page and does not keep the others from being run, and the page is written anew after
-each, so that a run that is cut off leaves what it has:
+Parts, in this order. A failed part is reported on the page and the others still run; the page is rewritten after each part, so an interrupted
+run keeps its results:
   check      simuli devices --check: a known scene in float and double
-  tests      the tests that run kernels, on this device: in shards, as many at once as the processor has threads
-  stages     simuli bench --stages, beside what bench/gpu/model.py predicted for cards that it knows
-  pictures   simuli bench --agreement: every ray against the processor's driver, where there is one
+  tests      the tests that run kernels, on this device: in as many concurrent shards as the processor has threads
+  stages     simuli bench --stages, with the predictions of bench/gpu/model.py for its cards
+  pictures   simuli bench --agreement: each ray compared with the processor's driver, if there is one
   training   simuli bench --training: an iteration by stage, memory
   street     simuli demo: the embedded street trained and scored, time
-  trade      simuli bench --trade: speed against accuracy
-  peers      gsplat's rasterisation of the same particles in turns with ours, where PyTorch and gsplat are installed
+  trade      simuli bench --trade: speed and accuracy
+  peers      gsplat's rasterisation of the same particles, in turns with simuli's, if PyTorch and gsplat are installed
 
---as-gpu takes the device for a GPU though it is none: all that is done on GPUs alone, for a rehearsal.
-Drivers that no .icd file names are looked for in the folders where vendors put them. Exit code 1 when anything failed.
+--as-gpu treats the device as a GPU even if it is none: runs all GPU-only parts, for a rehearsal.
+Drivers without an .icd file are searched in the vendors' usual folders. Exit code 1 on any failure.
 """
 import argparse
 import concurrent.futures
@@ -50,7 +50,7 @@ def number(value):
 
 
 class Page:
-    """What was found, part by part."""
+    """Results by part."""
 
     def __init__(self, folder):
         self.folder, self.data, self.texts = folder, {"parts": {}, "failures": []}, {}
@@ -89,7 +89,7 @@ class Bench:
             self.driver.env["SIMULI_DEVICE"] = arguments.device
 
     def program(self, *words):
-        """Standard output of a program; raises when it fails."""
+        """Returns the standard output of a program; raises on failure."""
         code, out = self.driver.run(*words)
         if code != 0:
             raise RuntimeError(self.driver.failures.pop())
@@ -120,7 +120,7 @@ class Bench:
         return devices, markdown(("device", "check"), [(d["name"], d.get("check", "not usable")) for d in devices])
 
     def shard(self, program, index, count):
-        """(exit code, seconds, what it prints) of a share of a program's tests; most of the time drivers compile."""
+        """Returns (exit code, seconds, output) of a shard of a program's tests; most of the time is compilation."""
         begin = time.monotonic()
         code, text = self.driver.run(program, shard=(index, count))
         return code, time.monotonic() - begin, text
@@ -134,7 +134,7 @@ class Bench:
             shards = [job.result() for job in of_program]
             ended = {end: [name for *_, text in shards for name in re.findall(rf"^\[ *{end} *\] (\S+?),? .*\(\d+ ms\)$", text, re.M)]
                      for end in ("OK", "FAILED", "SKIPPED")}
-            # Neither all passed (0) nor some failed (1): what was begun last did not end.
+            # Neither all passed (0) nor some failed (1): the last test crashed.
             cut = [f"exit code {code} in {(re.findall(r'^. RUN      . (.+)', text, re.M) or ['its start'])[-1]}"
                    for code, _, text in shards if code not in (0, 1)]
             data[program] = {"passed": len(ended["OK"]), "failed": ended["FAILED"], "skipped": len(ended["SKIPPED"]), "cut": cut}
@@ -142,7 +142,7 @@ class Bench:
                           f"{max(seconds for _, seconds, _ in shards):.0f}"))
             for what in (*ended["FAILED"], *cut):
                 self.page.fail("tests", f"{program}: {what}")
-        self.driver.failures.clear()  # told above, test by test
+        self.driver.failures.clear()  # reported above, test by test
         return data, markdown(("program", "passed", "failed", "skipped", "shards cut", "seconds"), table)
 
     def stages(self):

@@ -21,11 +21,11 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kMovedLeft_m = -2.0;  // to the middle of the road: parked cars stand on the other side
+constexpr double kMovedLeft_m = -2.0;  // to the middle of the road; parked cars are on the other side
 constexpr double kFaster = 2.0;
-constexpr double kNoisyMargin_m = 0.5;  // boxes that hold the car in spite of the noise
+constexpr double kNoisyMargin_m = 0.5;  // enlarges boxes so that they contain the car in spite of the noise
 
-/// The street with the car driving so, or without it, as a log below `folder`.
+/// Records the street with the car on this track, or without a car, as a log in `folder`.
 Log record(const ActorsOptions& options, const std::filesystem::path& folder, const StreetCar* car) {
   StreetOptions street;
   street.output = folder;
@@ -35,10 +35,10 @@ Log record(const ActorsOptions& options, const std::filesystem::path& folder, co
   return synth_street(street);
 }
 
-/// The held-out rays that met the car in `log`, against `empty`, the street without it.
+/// Errors of held-out rays that hit the car in `log`, relative to `empty`, the street without the car.
 struct WhereItWas {
   double error_m = 0.0;  // median |d^ - d|
-  double ghosts = 0.0;   // share of those with something else behind the car that return from where it was
+  double ghosts = 0.0;   // share of rays with a background that return from the car's position
 };
 WhereItWas where_it_was(const Device& device, const Log& log, const Log& empty, const Scene& scene) {
   SceneOnDevice on_device(device, borrowed(scene), RenderOptions{});
@@ -65,7 +65,7 @@ WhereItWas where_it_was(const Device& device, const Log& log, const Log& empty, 
   return {upper_median(std::move(errors)), ghosts / parted};
 }
 
-/// Spread of key poses about the truth, without what they have in common in the car's frame.
+/// Spread of key pose errors, without their mean in the car's frame.
 struct TrackError {
   double shift_m = 0.0;
   double turn_rad = 0.0;
@@ -145,7 +145,7 @@ std::vector<Row> run_actors(const std::string& device_request,
     const Log fast_log = record(options, scratch.path() / "faster", &fast_car);
     SceneFile faster = scene;
     retime_actor(faster.scene, "car", kFaster, 0.0);
-    // Its track ends in the middle of the log: it goes on as it drove.
+    // The track ends in the middle of the log: extends it with constant velocity.
     Actor& actor = faster.scene.actors.front();
     KeyPose last = actor.track.back();
     last.time_s = fast_log.actors.front().track.back().time_s;
@@ -155,7 +155,7 @@ std::vector<Row> run_actors(const std::string& device_request,
   }
   {
     Log empty = record(options, scratch.path() / "removed", nullptr);
-    empty.actors = log.actors;  // where it was
+    empty.actors = log.actors;  // the car's boxes
     SceneFile removed = scene;
     remove_actor(removed.scene, "car");
     add("removed/psnr_where_it_was", compare(device, empty, removed).actor_psnr_db, "dB");

@@ -21,14 +21,14 @@ constexpr std::array<std::pair<Projection, const char*>, 3> kProjections{
      {Projection::kLinearized, "linearized"},
      {Projection::kMonteCarlo, "monte_carlo"}}};
 
-/// A sensor in one frame, and where particles stand about it: directions in its own frame.
+/// A sensor, its motion in a frame, and the directions of particles in its frame.
 struct Place {
   std::string name;
   SetKind kind = SetKind::kCamera;
   Camera camera{};
   Lidar lidar{};
   View view{};
-  double azimuth_rad = 0.0;  // at most, to either side of x (LiDAR) or z (camera)
+  double azimuth_rad = 0.0;  // maximum angle to either side of x (LiDAR) or z (camera)
   double lowest_rad = 0.0, highest_rad = 0.0;
 
   [[nodiscard]] SensorRays on(const Device& device, const RenderOptions& options) const {
@@ -51,7 +51,7 @@ Camera camera_of(LensKind kind, double focal_px) {
 
 Place moving(Place place, const Eigen::Vector3d& step_m, const Eigen::Vector3d& axis, double turn_rad) {
   place.name += "_moving";
-  // Half of it before the middle of the frame, where particles are placed, and half after.
+  // Symmetric about the middle of the frame, at which particles are placed.
   const Eigen::Quaterniond half(Eigen::AngleAxisd(0.5 * turn_rad, axis));
   place.view.scene_from_sensor_start = {half.conjugate(), -0.5 * step_m};
   place.view.scene_from_sensor_end = {half, 0.5 * step_m};
@@ -80,7 +80,7 @@ std::vector<Place> places(const Lidar& lidar) {
           fisheye};
 }
 
-/// A long particle of random direction, `size` of its range in length.
+/// Returns a long particle in a random direction, whose length is `size` times its range.
 GaussianSet long_particle(const Place& place, double size, std::mt19937_64& random) {
   const auto in = [&random](double low, double high) {
     return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
@@ -98,7 +98,7 @@ GaussianSet long_particle(const Place& place, double size, std::mt19937_64& rand
   return set;  // logit 0: opacity 0.5
 }
 
-/// What all rays gather of each of the particles.
+/// Returns the light that all rays gather from each particle.
 std::vector<double> gathered(const Device& device,
                              const Place& place,
                              const RenderOptions& options,

@@ -12,10 +12,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "FOLDER,poses=FILE,labels=FILE,KEY=VALUE" taken apart.
+/// Parts of "FOLDER,poses=FILE,labels=FILE,KEY=VALUE".
 struct DriveText {
   fs::path folder, poses, labels;
-  std::vector<std::string> settings;  // of its training
+  std::vector<std::string> settings;  // of the drive's training
 };
 
 DriveText parts_of(const std::string& text) {

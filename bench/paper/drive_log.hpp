@@ -1,5 +1,5 @@
 #pragma once
-// Drives as the bench is told of them: logs, folders of KITTI raw, the embedded street.
+// Drives in the format of bench options: logs, folders of KITTI raw, the embedded street.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -8,22 +8,21 @@
 
 namespace simuli::bench {
 
-/// A drive that can be trained on.
+/// A drive for trainings.
 struct Drive {
   std::string name;
-  Log log;                                 // with the boxes that there are
-  std::vector<std::string> settings = {};  // "key=value" of its own beside the defaults
+  Log log;                                 // with all available boxes
+  std::vector<std::string> settings = {};  // "key=value" in addition to the defaults
 };
 
-/// Opens what `text` names: "street" (as `simuli synth street` makes it, at full size), a log folder, or a
-/// folder of KITTI raw; behind the folder "poses=FILE" and "labels=FILE", each after a comma, as `simuli
-/// import kitti` takes them with --poses and --tracking, and settings of its training as "KEY=VALUE". What is
-/// imported or made is written below `scratch`.
-/// Error{kUsage} for anything else, Error{kInput} as the importers have it.
+/// Opens a drive: "street" (as made by `simuli synth street`, full size), a log folder, or a folder of KITTI
+/// raw. Comma-separated options after the folder: "poses=FILE" and "labels=FILE", as --poses and --tracking
+/// of `simuli import kitti`, and settings "KEY=VALUE" of the training. Imported or generated data are written
+/// to `scratch`. Throws Error{kUsage} for other texts, and the importers' Error{kInput}.
 [[nodiscard]] Drive open_drive(const std::string& text, const std::filesystem::path& scratch);
 
-/// Its number in the name of a folder of KITTI raw ("2011_09_26_drive_0013_sync"), else the folder's name
-/// without ".log".
+/// Returns the number in the name of a folder of KITTI raw ("2011_09_26_drive_0013_sync"), else the folder's
+/// name without ".log".
 [[nodiscard]] std::string drive_name(const std::filesystem::path& folder);
 
 }  // namespace simuli::bench

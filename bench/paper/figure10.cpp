@@ -18,11 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDivergence_rad = 3e-3;  // full angle
-constexpr int kRingRays = 6;              // of a beam, beside the one in its middle
-constexpr double kRingRadius = 0.7;       // of the beam's
-constexpr float kOffPole_m = 0.1F;        // a ray is on a pole when it would range farther without poles
+constexpr int kRingRays = 6;              // rays around the central ray of a beam
+constexpr double kRingRadius = 0.7;       // relative to the beam's radius
+constexpr float kOffPole_m = 0.1F;  // a ray is on a pole if its range without poles is longer by this length
 
-/// The nearest return in each beam: a scan by its middle, and one each by rays around it.
+/// Returns the nearest return in each beam, from scans by the central rays and by the rays around them.
 Sweep scan_by_beams(const Street& street,
                     const LogLidar& lidar,
                     const Trajectory& path,
@@ -50,7 +50,7 @@ Sweep scan_by_beams(const Street& street,
 }
 
 struct Recording {
-  Log log;                                 // sweeps alone
+  Log log;                                 // only sweeps
   std::vector<std::vector<bool>> on_pole;  // [sweeps][rays]
 };
 
@@ -62,7 +62,7 @@ Recording record(const Figure10Options& options, const fs::path& folder) {
   out.log.images.clear();
   auto& lidar = std::get<Lidar>(out.log.lidars[0].model);
   lidar.beam_divergence = kDivergence_rad;
-  lidar.divergence_variance = 0.25;  // all of the beam within two standard deviations
+  lidar.divergence_variance = 0.25;  // the complete beam is within two standard deviations
   const Street with({.seed = street.seed, .car = std::nullopt, .thin_poles = true});
   const Street without({.seed = street.seed, .car = std::nullopt});
   fs::create_directories(folder / "sweeps");

@@ -14,9 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The street's rig, turned about its vertical axis to one side and back, half a second each: a turn that
-/// never changes would bend every picture alike, and so be learned as the shape of the world. The turns
-/// change between frames, within which they are even.
+/// Rotates the rig about its vertical axis to one side and back, half a second each: a constant rotation
+/// would bend all pictures alike, and trainings would learn it as shape. The angular velocity changes between
+/// frames and is constant within a frame.
 Trajectory turning(const Trajectory& world_from_rig, double turn_rad_per_s) {
   constexpr double kPeriod_s = 1.0;
   std::vector<TimedPose> poses = world_from_rig.poses();
@@ -46,7 +46,7 @@ void hold_still(std::vector<Frame>& frames) {
   for (Frame& f : frames) f.time_start_s = f.time_end_s = 0.5 * (f.time_start_s + f.time_end_s);
 }
 
-/// The log of someone who believes that a picture is taken at once.
+/// Returns the log with instantaneous pictures.
 Log still_pictures(Log log) {
   for (LogCamera& camera : log.cameras) camera.model.shutter = ShutterKind::kGlobal;
   hold_still(log.images);
@@ -70,7 +70,7 @@ std::vector<Row> run_figure11(const std::string& device_request,
       options.log.empty() ? record(options, scratch.path()) : open_drive(options.log, scratch.path());
   const Log& log = drive.log;
   TrainingOptions training;
-  // The path's knots are where sweeps end, and those that stand still end where they begin.
+  // Path refinement has knots at the ends of sweeps, and frames without motion have zero duration.
   training.refine_path = false;
   training.train.iterations = options.iterations;
   training.train.render = paper_options();

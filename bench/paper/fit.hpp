@@ -1,5 +1,5 @@
 #pragma once
-// What the benches that train scenes share.
+// Common parts of benches that train scenes.
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -13,20 +13,18 @@
 
 namespace simuli::bench {
 
-/// TrainOptions::anchor, as the paper has it.
+/// TrainOptions::anchor of the paper.
 inline constexpr AnchorOptions kPaperAnchors{.weight = 0.01};
 
-/// Says one line to whoever waits.
+/// Receives one line of progress.
 using Note = std::function<void(const std::string&)>;
 
-/// Pictures and sweeps of the street for each frame of `log`, into its folder, each by the sensor of that
-/// name.
+/// Writes pictures and sweeps of the street for each frame of `log` to its folder, with the frame's sensor.
 void write_frames(const Log& log, const Street& street);
 
-/// A scene from the frames of `log` that are not held out, as `simuli train` makes it.
+/// Trains a scene on the frames of `log` that are not held out, as `simuli train` does.
 [[nodiscard]] SceneFile fit(const Device& device, const Log& log, const TrainingOptions& options);
-/// On the frames of `log` that are held out when it is the one of the training: it may be another, with the
-/// same frames.
+/// Evaluates the held-out frames of `log`: the log of the training, or another log with the same frames.
 [[nodiscard]] EvalReport compare(const Device& device,
                                  const Log& log,
                                  const SceneFile& scene,

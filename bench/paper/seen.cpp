@@ -11,10 +11,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kSeeFar_m = 2e4;         // as the street's own pictures do
-constexpr double kSameSurface_m = 0.002;  // by which two rays to one point may differ
+constexpr double kSeeFar_m = 2e4;         // as for the street's pictures
+constexpr double kSameSurface_m = 0.002;  // maximum distance between two rays' points of one surface
 
-/// Solid angle of a pixel about `pixel`, sr.
+/// Returns the solid angle of a pixel in sr.
 double solid_angle(const Camera& camera, const Vector2d& pixel) {
   const auto along = [&](double x, double y) {
     return camera.unproject(pixel + Vector2d(x, y)).normalized();
@@ -22,7 +22,7 @@ double solid_angle(const Camera& camera, const Vector2d& pixel) {
   return (along(0.5, 0.0) - along(-0.5, 0.0)).cross(along(0.0, 0.5) - along(0.0, -0.5)).norm();
 }
 
-/// What a pixel covers of a surface `range_m` away, m².
+/// Returns the area of a surface at `range_m` that a pixel covers, m².
 double area(double solid_angle_sr, double range_m, double cosine) {
   return solid_angle_sr * range_m * range_m / std::max(std::abs(cosine), 1e-6);
 }
@@ -72,7 +72,7 @@ std::optional<double> SeenBefore::share(const Picture& picture, const Surface& p
     return 1.0;
   }
   const StreetHit met = street_.trace(origin, direction, picture.time_s, range_m + kSameSurface_m);
-  // The other side of something thin is another surface.
+  // The back side of a thin object is another surface.
   if (met.hit && (met.range < range_m - kSameSurface_m || met.normal.dot(place.hit.normal) <= 0.0)) {
     return std::nullopt;
   }

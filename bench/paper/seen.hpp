@@ -1,6 +1,6 @@
 #pragma once
-// Which pixels show what the training pictures show as well. What none of them has seen, no method knows that
-// invents nothing.
+// Classifies pixels by their visibility in the training pictures. Content that no training picture shows can
+// only be invented.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,21 +13,22 @@
 namespace simuli::bench {
 
 enum class Seen : std::uint8_t {
-  kNever,     // each training picture has something before it, or ends before it
-  kCoarsely,  // in pictures, of which none spends kLeastShare of the pixels on it that are spent here
+  kNever,     // occluded or outside the picture in each training picture
+  kCoarsely,  // visible, but with less than kLeastShare of this picture's pixels per area
   kWell
 };
 
-/// The training pictures of a log of the street.
+/// Training pictures of a log of the street.
 class SeenBefore {
  public:
   static constexpr double kLeastShare = 0.25;  // half as many along each side
 
-  /// All pictures of `log` teach. `street` must outlive it; `car` as it drives on it.
+  /// All pictures of `log` are training pictures. `street` must outlive this object; `car` is its moving car.
   SeenBefore(const TracedWorld& street, const std::optional<StreetCar>& car, const Log& log);
 
-  /// What the middle of each pixel shows, [height][width], half-way through the exposure from time_start_s to
-  /// time_end_s. What drives is seen where the car is then; the sky where a picture shows it that way.
+  /// Returns the class of each pixel centre, [height][width], at the middle of the exposure from time_start_s
+  /// to time_end_s. The car is compared at its position at the time of each picture; the sky is visible if a
+  /// picture shows it in the same direction.
   [[nodiscard]] std::vector<Seen> of(const LogCamera& camera,
                                      const Trajectory& world_from_rig,
                                      double time_start_s,
@@ -39,17 +40,17 @@ class SeenBefore {
     Pose world_from_camera;
     double time_s = 0.0;
   };
-  /// A surface, or the sky, as a pixel of area_m2 on it meets it.
+  /// A surface or the sky at a pixel that covers area_m2 of it.
   struct Surface {
     StreetHit hit;
-    Eigen::Vector3d at = Eigen::Vector3d::Zero();  // world, m; of the sky the direction to it
+    Eigen::Vector3d at = Eigen::Vector3d::Zero();  // world, m; for the sky its direction
     double time_s = 0.0;
     double area_m2 = 0.0;
   };
   [[nodiscard]] static Surface place(const TracedWorld& street,
                                      const Picture& picture,
                                      const Eigen::Vector2d& pixel);
-  /// How many pixels the picture spends on it, of those that are spent there; none: it isn't seen.
+  /// Returns the ratio of the picture's pixels per area to this picture's; no value if not visible.
   [[nodiscard]] std::optional<double> share(const Picture& picture, const Surface& place) const;
 
   const TracedWorld& street_;
@@ -57,25 +58,25 @@ class SeenBefore {
   std::vector<Picture> pictures_;
 };
 
-/// Errors of pictures apart by what was seen before.
+/// Picture errors by class of visibility.
 class SeenErrors {
  public:
-  /// One picture. `seen` [height][width] of it.
+  /// Adds a picture with its classes `seen` [height][width].
   void add(const Image& rendered, const Image& truth, const std::vector<Seen>& seen);
 
-  /// Of all pixels of all pictures.
+  /// Returns the share of this class of all pixels.
   [[nodiscard]] double share(Seen seen) const;
-  /// Of these pixels of all pictures together, dB; infinite without any.
+  /// Returns the PSNR of this class over all pictures in dB; infinite without pixels.
   [[nodiscard]] double psnr_db(Seen seen) const;
-  /// Mean over the pictures, dB, if whatever was seen before were off by as much as it is in `path`, which
-  /// has the same pictures from the recorded path, and the rest as it is: what is left to those who invent
-  /// nothing.
+  /// Returns the mean PSNR over the pictures in dB if visible pixels had the error of `path`, the same
+  /// pictures from the recorded trajectory, and the others their own: an upper bound for methods that invent
+  /// no content.
   [[nodiscard]] double psnr_of_seen_as_in_db(const SeenErrors& path) const;
 
  private:
   struct Sum {
     std::size_t pixels = 0;
-    double squares = 0.0;  // of the error, mean of the channels
+    double squares = 0.0;  // squared errors, mean of the channels
   };
   using Picture = std::array<Sum, 3>;  // [Seen]
   [[nodiscard]] Sum sum(Seen seen) const;

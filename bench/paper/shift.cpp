@@ -15,7 +15,7 @@
 namespace simuli::bench {
 namespace {
 
-/// What is other than when the scene was recorded.
+/// Changes of the rig relative to the recording.
 struct RigPlacement {
   std::string name;
   double left_m = 0.0, up_m = 0.0, turn_deg = 0.0;
@@ -49,7 +49,7 @@ Trajectory moved(const Trajectory& world_from_rig, const RigPlacement& place) {
   return Trajectory(std::move(poses));
 }
 
-/// The log of the same drive as it would have been recorded there.
+/// Returns the log of the same drive recorded with these changes.
 Log record(const Street& street, Log log, const RigPlacement& place, const std::filesystem::path& folder) {
   log.folder = folder;
   log.world_from_rig = moved(log.world_from_rig, place);
@@ -65,7 +65,7 @@ Log record(const Street& street, Log log, const RigPlacement& place, const std::
   return log;
 }
 
-/// Of all pictures there.
+/// Returns the errors of all pictures by visibility.
 SeenErrors errors_by_seen(const SeenBefore& seen_before, const Log& there, Evaluation& evaluation) {
   SeenErrors errors;
   for (std::size_t i = 0; i < there.images.size(); ++i) {
@@ -79,10 +79,10 @@ SeenErrors errors_by_seen(const SeenBefore& seen_before, const Log& there, Evalu
   return errors;
 }
 
-/// Whether support's constants were fitted to what is seen from there.
+/// Whether the constants of support were fitted to these views.
 bool is_fitted(const RigPlacement& place) { return place.name == "left_0_m"; }
 
-/// Support beside true errors, over all places but those fitted to.
+/// Compares support with true errors, over all placements except the fitted one.
 class SupportBesideErrors {
  public:
   SupportBesideErrors(const Device& device, const SceneFile& scene)
@@ -143,7 +143,7 @@ class SupportBesideErrors {
       add("right", bin.right);
     }
   }
-  /// Of the time of a frame whose results stay on the device.
+  /// Measures the time of support relative to a frame whose results stay on the device.
   void add_cost(const std::string& name, const Sensor& sensor, const Shot& shot, std::vector<Row>& rows) {
     constexpr int kTimes = 15;
     std::vector<double> frames, supports;
@@ -180,7 +180,7 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
   const Log log = synth_street(street);
   std::vector<std::string> settings = options.settings;
   settings.push_back("image_scale=1");
-  settings.push_back("held_out_every=0");  // what is scored is elsewhere
+  settings.push_back("held_out_every=0");  // scores use other placements
   settings.push_back(fmt::format("iterations={}", options.iterations));
   const SceneFile scene = fit(device, log, training_options("", settings));
   note(fmt::format("trained on the street, {} iterations", options.iterations));
@@ -202,7 +202,7 @@ ShiftResult run_shift(const std::string& device_request, const ShiftOptions& opt
       add("psnr_db", report.psnr_db, "dB");
       add("ssim", report.ssim, "of 1");
       const SeenErrors errors = errors_by_seen(seen_before, there, evaluation);
-      if (!on_path) on_path = errors;  // the first place
+      if (!on_path) on_path = errors;  // the first placement
       for (const auto& [kind, seen] : {std::pair("never_seen", Seen::kNever),
                                        std::pair("coarsely_seen", Seen::kCoarsely),
                                        std::pair("well_seen", Seen::kWell)}) {

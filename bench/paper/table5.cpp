@@ -12,7 +12,7 @@
 namespace simuli::bench {
 namespace {
 
-constexpr int kEnvironmentWidth = 256;  // texels: 1.4 degrees
+constexpr int kEnvironmentWidth = 256;  // texels of 1.4 degrees
 
 class Table5 {
  public:
@@ -68,7 +68,7 @@ class Table5 {
   const Log& log_;
   Note note_;
   TrainingOptions training_;
-  Scene start_;  // of the unified ones
+  Scene start_;  // initial scene of the unified sets
   std::vector<Row> rows_;
 };
 
@@ -82,7 +82,7 @@ std::vector<Row> run_table5(const std::string& device_request,
   const ScratchFolder scratch("simuli_bench");
   StreetOptions street;
   street.output = scratch.path() / "street.log";
-  street.moving_car = false;  // the scene is static
+  street.moving_car = false;  // a static scene
   const Drive drive = options.log.empty() ? Drive{"street", synth_street(street), {"image_scale=1"}}
                                           : open_drive(options.log, scratch.path());
   Table5 table(device, drive, options, note);

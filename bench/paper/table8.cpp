@@ -21,7 +21,7 @@ struct Named {
   Projection projection;
   Extent extent;
 };
-// The yardstick first.
+// The reference is the first column.
 constexpr std::array<Named, 4> kColumns{{{"monte_carlo", Projection::kMonteCarlo, Extent::kUnscented},
                                          {"unscented", Projection::kUnscented, Extent::kUnscented},
                                          {"linearized", Projection::kLinearized, Extent::kUnscented},
@@ -51,13 +51,13 @@ constexpr std::array<Metric, 8> kMetrics{{{"medl2_m2", &SweepMetrics::medl2_m2, 
                                           {"drop_precision", &SweepMetrics::drop_precision, "of said drops"},
                                           {"chamfer_m2", &SweepMetrics::chamfer_m2, "m^2"}}};
 
-/// Middle of the values, give or take half of their range.
+/// Returns the median of the values with half of their range.
 Row middle(const std::string& name, const std::vector<double>& values, const char* unit) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   return {name, spread_of(values).median, unit, 0.5 * (*high - *low)};
 }
 
-/// The table of one size of particles: trained with each projection, and with one for all.
+/// The table for one particle size: trained with each projection, and one training rendered with each.
 class Table8 {
  public:
   Table8(const Device& device,
@@ -108,7 +108,8 @@ class Table8 {
     return compare(device_, log_, scene, {.timed_renders = 1, .render = render_with(column)}).lidar;
   }
 
-  /// Share of the light that held-out sweeps gather of the scene with exact extents and not with these, in %.
+  /// Returns the share of the light of held-out sweeps that these extents cut off relative to exact extents,
+  /// in %.
   double clipped_percent(const Scene& scene, const Named& column) {
     SceneOnDevice exact(device_, borrowed(scene), render_with(kExact));
     SceneOnDevice other(device_, borrowed(scene), render_with(column));
@@ -126,7 +127,7 @@ class Table8 {
     return 100.0 * (1.0 - found / whole);
   }
 
-  /// Device time of the projection of held-out sweeps.
+  /// Returns the device time of the projection of held-out sweeps.
   Spread projection_ms(const Scene& scene, const Named& column) {
     SceneOnDevice on_device(profiled_, borrowed(scene), render_with(column));
     std::vector<double> samples;
@@ -149,8 +150,8 @@ class Table8 {
     rows.push_back({base + "/projection_ms", ms.median, "ms", ms.half_iqr});
   }
 
-  /// Every metric of every column; how far each is from the yardstick with the same seed; and how far the
-  /// yardstick's own seeds are from their middle.
+  /// Adds each metric of each column, its difference to the reference with the same seed, and the spread of
+  /// the reference over its seeds.
   static void add(const std::string& name, const Columns& columns, std::vector<Row>& rows) {
     const std::vector<SweepMetrics>& yardstick = columns.front();
     for (std::size_t c = 0; c < columns.size(); ++c) {
@@ -175,7 +176,7 @@ class Table8 {
   Table8Options options_;
   Note note_;
   TrainingOptions training_;
-  std::vector<std::size_t> held_out_;  // sweeps
+  std::vector<std::size_t> held_out_;  // held-out sweeps
 };
 
 }  // namespace
@@ -184,14 +185,14 @@ std::vector<Row> run_table8(const std::string& device_request,
                             const Table8Options& options,
                             const Note& note) {
   const Device device = Device::best(device_request);
-  // Profiling keeps every event: a device of its own, not the one that trains.
+  // Profiling stores all events, so trainings use another device object.
   const Device profiled = Device::best(device_request, {.profiling = true});
   note(fmt::format("device: {} (driver {})", device.info().label(), device.info().driver_version));
   const ScratchFolder scratch("simuli_bench");
   StreetOptions street;
   street.output = scratch.path() / "street.log";
-  street.image_width = street.image_height = 8;  // no picture is looked at
-  street.moving_car = false;                     // the scene is static
+  street.image_width = street.image_height = 8;  // pictures are not used
+  street.moving_car = false;                     // a static scene
   Drive drive =
       options.log.empty() ? Drive{"street", synth_street(street)} : open_drive(options.log, scratch.path());
   drive.log.images.clear();

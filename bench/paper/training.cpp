@@ -12,7 +12,7 @@
 namespace simuli::bench {
 namespace {
 
-/// Kernel -> stage of the table; others are "other".
+/// Returns the stage of the table of a kernel; "other" for all others.
 std::string stage_of(const std::string& kernel) {
   static const std::map<std::string, std::string> kStages{{"rays", "rays"},
                                                           {"project", "project"},
@@ -42,7 +42,7 @@ Scene bench_scene(std::int64_t particles) {
   Scene scene;
   scene.camera = street_particles(SetKind::kCamera, 2, particles, 1);
   scene.lidar = street_particles(SetKind::kLidar, 1, particles, 2);
-  // One in twenty is dead, for the relocation.
+  // One in twenty is dead, for relocation.
   for (GaussianSet* set : {&scene.camera, &scene.lidar}) {
     for (Eigen::Index i = 0; i < set->size(); i += 20) set->opacity_logit()(i) = -6.0F;
   }
@@ -71,7 +71,7 @@ class Case {
     options.iterations = 1000;
     options.lidar_every = 1;
     options.anchor = kPaperAnchors;
-    options.densify.epochs = iterations + kWarmUp;  // none
+    options.densify.epochs = iterations + kWarmUp;  // no densification
     const Scene scene = bench_scene(particles);
     const double search_ms = anchor_search_ms(device, scene);
     device.reset_memory_peak();

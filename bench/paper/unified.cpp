@@ -14,10 +14,10 @@ namespace simuli::bench {
 namespace {
 
 constexpr double kIntensityWeight = 0.1, kDropWeight = 0.05;
-// A LiDAR channel's start: half reflective, and rather hit than not.
+// Initial LiDAR features: medium reflectance, and a return more likely than none.
 constexpr float kHit = 2.0F;
 
-/// The LiDAR's view of the camera set's particles.
+/// Returns a LiDAR set with the geometry of the camera set.
 GaussianSet lidar_twin(const GaussianSet& camera, int sh_degree) {
   GaussianSet set(SetKind::kLidar, sh_degree, camera.size());
   set.params.leftCols(kShRow) = camera.params.leftCols(kShRow);
@@ -36,7 +36,7 @@ RenderOptions without_median(RenderOptions options) {
   return options;
 }
 
-/// A set as one sensor sees it.
+/// The set of one sensor and its optimiser state.
 struct SensorSide {
   SensorSide(const Device& device, const GaussianSet& set)
       : particles(device, set, Precision::kFloat),
@@ -83,7 +83,7 @@ class UnifiedTrainer {
         for (std::size_t i = 0; i < seen.size(); ++i) grads[row * stride + i] += more[row * stride + i];
       }
       for (std::size_t i = 0; i < seen.size(); ++i) keys[i] = std::min(keys[i], seen[i]);
-      // The LiDAR's own features; the geometry is moved once, below.
+      // Only the LiDAR's features; the geometry is updated once, below.
       std::vector<double> rates = row_rates(options_.lidar, lidar_.particles.sh_degree, progress);
       std::fill(rates.begin(), rates.begin() + kShRow, 0.0);
       lidar_.adam.run(lidar_.particles, lidar_.grads, sweep.buffers().projected.keys, {rates});

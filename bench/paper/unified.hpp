@@ -3,10 +3,10 @@
 
 namespace simuli::bench {
 
-/// What table 5 compares factorised sets with: one set of particles that both sensors see, each with features
-/// of its own, trained on pictures and sweeps together (loss weights of METHOD section 10) with the distances
-/// weighted by `distance_weight`. Geometry and colours start as the camera set of `start`. The result holds
-/// the same geometry twice, once with each sensor's features.
+/// Trains the baseline of table 5: one set of particles for both sensors with separate features, trained on
+/// pictures and sweeps together (loss weights of METHOD section 10) with distances weighted by
+/// `distance_weight`. Geometry and colours are initialised from the camera set of `start`. The result
+/// contains the geometry twice, once with the features of each sensor.
 [[nodiscard]] Scene fit_unified(const Device& device,
                                 const Log& log,
                                 Scene start,

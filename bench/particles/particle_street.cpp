@@ -11,7 +11,7 @@
 namespace simuli {
 namespace {
 
-/// splitmix64: small, fast, the same everywhere.
+/// splitmix64: fast and identical on all machines.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

@@ -1,5 +1,5 @@
 #pragma once
-// A scene of any size for measurements, made up of nothing but a seed.
+// Synthetic scenes of any size for measurements, generated from a seed.
 #include <cstdint>
 
 #include "host/core/base/pose.hpp"
@@ -7,12 +7,11 @@
 
 namespace simuli {
 
-/// As a trained scene has them, in coherent_order(), or as they were drawn: no two neighbours belong
-/// together.
+/// Order of the particles: coherent_order() as in trained scenes, or random, without coherent neighbours.
 enum class StreetOrder { kCoherent, kShuffled };
 
-/// A street of `count` flattened Gaussians: road and pavements, two rows of facades, boxes and poles,
-/// `length_m` long, scales of 3 to 15 cm, opacities 0.1 to 0.95. The same bits for the same arguments.
+/// Returns a street of `count` flattened Gaussians: road and pavements, two rows of facades, boxes and poles,
+/// `length_m` long, scales of 3 to 15 cm, opacities 0.1 to 0.95. Equal arguments give equal bits.
 [[nodiscard]] GaussianSet street_particles(SetKind kind,
                                            int sh_degree,
                                            Eigen::Index count,
@@ -20,7 +19,7 @@ enum class StreetOrder { kCoherent, kShuffled };
                                            StreetOrder order = StreetOrder::kCoherent,
                                            double length_m = 180.0);
 
-/// Half-way down that street, 1.9 m up: a LiDAR.
+/// Returns the pose of a LiDAR half-way along the street, 1.9 m high.
 [[nodiscard]] Pose world_from_street_lidar();
 
 }  // namespace simuli

@@ -1,4 +1,4 @@
-// Rays through the boxes of embree_tracer.cpp.
+// Traces rays through the boxes of embree_tracer.cpp.
 #include <algorithm>
 #include <cmath>
 
@@ -13,21 +13,21 @@ namespace {
 constexpr std::size_t kPacketsAtOnce = 32;
 constexpr float kAlphaMax = 0.999F;
 
-/// The rays of a packet in the world, and the nearest responses of a round, nearest first.
+/// Rays of a packet in the world, and the nearest responses of a round in ascending order.
 struct Packet {
-  RTCIntersectContext context;  // first: callbacks get its address
+  RTCIntersectContext context;  // first member: callbacks receive its address
   bool origins = false;
   F o[3], d[3];  // o from o_ref, m
-  F near, far;   // responses between them are taken
+  F near, far;   // only responses between them are accepted
   int filled = 0;
   F tau[kWindow], q[kWindow], particle[kWindow];
 
-  /// Puts a response in; lanes with kNowhere put nothing. The farthest entry of a full window drops out.
+  /// Inserts a response; lanes with kNowhere insert none. A full window loses its farthest entry.
   void insert(F at, F distance2, F index) {
     int k = std::min(filled, kWindow - 1);
     if (filled < kWindow) tau[filled++] = kNowhere;
     for (; k > 0; --k) {
-      const M behind = at < tau[k - 1];  // this entry makes room
+      const M behind = at < tau[k - 1];  // this entry moves back
       put(at < tau[k], k, at, distance2, index);
       if (none_of(behind)) return;
       put(behind, k, tau[k - 1], q[k - 1], particle[k - 1]);
@@ -50,7 +50,7 @@ F exp_lanes(const F& x) {
   return load(values);
 }
 
-/// World direction of v at time t: the turn so far, then the pose at the start.
+/// Computes the world direction of v at time t: the rotation so far, then the pose at the start.
 void to_world(const Constants& c, bool moving, const F* v, F t, F* out) {
   F turned[3] = {v[0], v[1], v[2]};
   const float* m = moving ? c.rotation_start : c.rotation_ref;  // sensor_from_scene
@@ -72,7 +72,7 @@ void to_world(const Constants& c, bool moving, const F* v, F t, F* out) {
 
 }  // namespace
 
-/// The response of one particle on the rays of a packet that reach its box.
+/// Computes the response of one particle on the rays of a packet that reach its box.
 void EmbreeTracer::State::intersect(const RTCIntersectFunctionNArguments* args) {
   auto& packet = *reinterpret_cast<Packet*>(args->context);
   const Particle& p = static_cast<const State*>(args->geometryUserPtr)->particles[args->primID];
@@ -93,7 +93,7 @@ void EmbreeTracer::State::intersect(const RTCIntersectFunctionNArguments* args) 
   where(met, at) = tau;
   packet.insert(at, q, static_cast<float>(args->primID));
   if (packet.filled < kWindow) return;
-  // Boxes behind the last of a full window need not be looked at.
+  // Boxes behind the last entry of a full window are skipped.
   packet.far = min(packet.far, packet.tau[kWindow - 1]);
   store(packet.far, &RTCRayN_tfar(RTCRayHitN_RayN(args->rayhit, args->N), args->N, 0));
 }
@@ -166,7 +166,7 @@ void EmbreeTracer::State::trace_packet(const TracedRays& rays,
       left = next;
       alive = alive && !(met && left < t_cut);
     }
-    // Rays whose window did not fill have met all there is.
+    // Rays whose window is not full have no further responses.
     if (packet.filled < kWindow) break;
     alive = alive && packet.tau[kWindow - 1] < kNowhere;
     packet.near = packet.tau[kWindow - 1];

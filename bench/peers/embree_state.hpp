@@ -1,5 +1,5 @@
 #pragma once
-// What embree_tracer.cpp and embree_packets.cpp share.
+// Common parts of embree_tracer.cpp and embree_packets.cpp.
 #include <cstddef>
 #include <cstdint>
 #include <embree3/rtcore.h>
@@ -18,7 +18,7 @@ namespace embree {
 namespace stdx = std::experimental;
 
 inline constexpr int W = EmbreeTracer::kPacket;
-inline constexpr int kWindow = 32;  // responses that a round keeps
+inline constexpr int kWindow = 32;  // responses per round
 inline constexpr float kNowhere = 1e30F;
 
 using F = stdx::simd<float, stdx::simd_abi::deduce_t<float, W>>;
@@ -28,7 +28,7 @@ using I = stdx::rebind_simd_t<std::int32_t, F>;
 inline F load(const float* from) { return F(from, stdx::element_aligned); }
 inline void store(const F& value, float* to) { value.copy_to(to, stdx::element_aligned); }
 
-/// One line of cache: o_g = M (o_ref - mu), M = diag(1/s^) R^T, largest squared distance that counts,
+/// One cache line: o_g = M (o_ref - mu), M = diag(1/s^) R^T, largest squared distance with a response,
 /// features.
 struct alignas(64) Particle {
   float origin[3];
@@ -38,7 +38,7 @@ struct alignas(64) Particle {
 };
 static_assert(sizeof(Particle) == 64);
 
-/// f(first, last) over parts of [0, count) on `threads` threads.
+/// Calls f(first, last) for parts of [0, count) in `threads` threads.
 void in_parallel(std::size_t count,
                  std::size_t part,
                  int threads,
@@ -52,12 +52,12 @@ using Constants = shared::SensorConstants<float>;
 struct EmbreeTracer::State {
   int threads = 1;
   int sh_degree = 0, clamped_channels = 3;
-  std::size_t count = 0, padded = 0;        // particles; in whole blocks of W
+  std::size_t count = 0, padded = 0;        // number of particles; rounded up to blocks of W
   std::vector<float> values;                // [rows][padded]
   std::vector<float> scale2;                // [3][padded] m^2
   std::vector<float> rotation;              // [9][padded] R, row-major
   std::vector<embree::Particle> particles;  // [padded]
-  std::vector<float> half;                  // [3][padded] m, of the boxes about the means
+  std::vector<float> half;                  // [3][padded] m, half extents of the boxes around the means
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
 

@@ -27,7 +27,7 @@ void in_parallel(std::size_t count,
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
 #if defined(__SSE3__)
-    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);  // as Embree asks for
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);  // recommended by Embree
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
 #endif
     for (std::size_t first = next.fetch_add(part); first < count; first = next.fetch_add(part)) {
@@ -50,9 +50,9 @@ Constants in_float(const shared::SensorConstants<double>& constants) {
 namespace {
 
 constexpr std::size_t kBlocksAtOnce = 64;
-constexpr float kBoxMargin = 1e-4F;  // what rounding may take off a box, of its size
+constexpr float kBoxMargin = 1e-4F;  // relative margin for rounding of a box
 
-/// Values of spherical harmonics in a unit direction, in the signs of the 3DGS file format.
+/// Evaluates spherical harmonics in a unit direction, with the signs of the 3DGS file format.
 void sh_basis(int degree, F x, F y, F z, F* basis) {
   basis[0] = 0.28209479177387814F;
   if (degree < 1) return;
@@ -188,7 +188,7 @@ void EmbreeTracer::State::bound_block(std::size_t i, const Constants& c) {
     particles[i + lane].q_max = q_max[lane];
   }
   for (std::size_t k = 0; k < 3; ++k) {
-    F sum = 0.0F;  // of the ellipsoid's covariance
+    F sum = 0.0F;  // covariance of the ellipsoid
     for (std::size_t j = 0; j < 3; ++j) {
       const F r = load(rotation.data() + (3 * k + j) * padded + i);
       sum += r * r * (load(scale2.data() + j * padded + i) + c.model.kappa * range2);
@@ -200,7 +200,7 @@ void EmbreeTracer::State::bound_block(std::size_t i, const Constants& c) {
 void EmbreeTracer::State::bounds(const RTCBoundsFunctionArguments* args) {
   const State& s = *static_cast<const State*>(args->geometryUserPtr);
   float low[3], high[3];
-  // A particle that is never seen has no box.
+  // An invisible particle has no box.
   const bool seen = s.particles[args->primID].q_max > 0.0F;
   for (std::size_t k = 0; k < 3; ++k) {
     const float mean = s.row(SIM_MEAN + k)[args->primID];

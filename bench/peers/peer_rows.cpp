@@ -1,4 +1,4 @@
-// What is told of `simuli bench --peers`.
+// Output of `simuli bench --peers`.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>

@@ -24,20 +24,20 @@ namespace {
 
 constexpr int kShDegree = 3;
 constexpr std::uint64_t kSeed = 1;
-constexpr std::size_t kBlock = 8;  // packets along x and y that are traced one after the other
+constexpr std::size_t kBlock = 8;  // packets along x and y that are traced consecutively
 
 struct PacketShape {
   std::size_t columns, rows;
 };
 
-/// A sensor's rays as the tracer takes them.
+/// Rays of a sensor in the tracer's format.
 struct PacketRays {
   TracedRays rays;
   std::vector<std::int32_t> ray_of_lane;  // -1: none
 };
 
-/// Blocks of neighbouring packets; a camera's are 4 x 4 pixels, a LiDAR's 8 firings of 2 beams, which are
-/// farther apart than firings.
+/// Groups rays into packets of neighbours: 4 x 4 pixels for a camera, 8 columns of 2 beams for a LiDAR, whose
+/// beams are farther apart than columns.
 PacketRays packets_of(const RayGrid& grid) {
   const std::size_t rows = grid.frame.rows;
   const std::size_t columns = grid.rays / rows;
@@ -98,7 +98,7 @@ RayResults in_ray_order(const PacketRays& packets, const TracedResults& traced, 
   return results;
 }
 
-/// A set with its tracer before a sensor.
+/// A set with its tracer for a sensor.
 class Traced {
  public:
   Traced(const GaussianSet& set, const SensorRays& rays, const View& view, const RenderOptions& options)
@@ -136,7 +136,7 @@ class Ours {
         renderer_(device, options),
         rays_(bench_rays(device, kind, options)),
         view_(view) {}
-  /// One frame, from call to result on the device.
+  /// Times one frame from the call to the result on the device.
   double frame_ms() {
     renderer_.device().profile().reset();
     return time_ms([&] {
@@ -144,7 +144,7 @@ class Ours {
       renderer_.device().finish();
     });
   }
-  /// Of the last frame.
+  /// Returns the blending time of the last frame.
   double blend_ms() { return stage_times(renderer_.device().profile()).at("blend"); }
   [[nodiscard]] RayResults results() const { return pass_->results(); }
   [[nodiscard]] const SensorRays& rays() const { return rays_; }

@@ -1,4 +1,4 @@
-// `simuli bench --peers` of a build without Embree.
+// Implements `simuli bench --peers` in a build without Embree.
 #include "bench/peers/peers.hpp"
 #include "host/core/base/error.hpp"
 

@@ -1,4 +1,4 @@
-// The numbers the README claims, as commands.
+// Command line of simuli-bench: measurements whose results the README quotes.
 #include "bench/program/bench.hpp"
 
 #include <algorithm>
@@ -51,14 +51,14 @@ struct BenchCommand {
   bool trade = false;
   bool peers = false;
   bool shift = false;
-  std::vector<std::string> settings;  // measured by the trade beside the qualities
-  std::string picture;                // of the shift's places
+  std::vector<std::string> settings;  // measured by the trade-off in addition to the qualities
+  std::string picture;                // file for pictures of the shifted rig
   std::string report;                 // HTML file to write; empty: none
-  int table = 0;                      // 0: none
-  int figure = 0;                     // 0: none
-  std::string agreement;              // file of another implementation; empty: none
-  std::string log;                    // of tables and figures; empty: the embedded street
-  int iterations = 0;                 // 0: each bench's own number
+  int table = 0;                      // table of the paper; 0: none
+  int figure = 0;                     // figure of the paper; 0: none
+  std::string agreement;              // results of another implementation; empty: none
+  std::string log;                    // drive for tables and figures; empty: the embedded street
+  int iterations = 0;                 // 0: default of each bench
   StagesOptions stage_options;
   LongStreetOptions long_street;
   Table5Options table5;
@@ -100,7 +100,7 @@ void run_peers(const BenchCommand& command, const Globals& globals, const Note& 
   std::cout << (globals.json ? to_json(peer_rows(cases)) : peer_table(cases));
 }
 
-/// A row for each pair: as rendered, the truth beside it.
+/// Returns one row per pair: rendered, then ground truth.
 Image picture_of(const std::vector<ShiftResult::Pair>& pairs) {
   Image all;
   for (const ShiftResult::Pair& pair : pairs) {
@@ -306,7 +306,7 @@ void add_bench(const Command& command, const Globals& globals) {
   command.option("--scale", options->trade_options.image_scale, "--trade: size of the scene's pictures")
       .with_default();
   command.run([options, particles, frames, &globals] {
-    // Peers have numbers of their own unless one is asked for.
+    // Peers use their own numbers unless a number is given.
     if (particles.is_given()) options->peer_options.particles = {options->stage_options.particles};
     if (frames.is_given()) options->peer_options.frames = options->stage_options.frames;
     measure(*options, globals);

@@ -2,7 +2,7 @@
 
 namespace simuli::bench {
 
-/// All of `simuli-bench`: main() is this and nothing else.
+/// Runs the program `simuli-bench`; main() only calls this function.
 [[nodiscard]] int run_bench(int argc, char** argv);
 
 }  // namespace simuli::bench

@@ -1,4 +1,4 @@
-// simuli-bench, which `simuli bench` runs.
+// Program simuli-bench, which `simuli bench` runs.
 #include "bench/program/bench.hpp"
 
 int main(int argc, char** argv) { return simuli::bench::run_bench(argc, argv); }

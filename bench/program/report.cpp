@@ -39,10 +39,10 @@ void write_report(const std::filesystem::path& file,
 }
 
 std::vector<Chart> front_charts(const std::vector<TradePoint>& points) {
-  std::map<std::string, std::map<double, double>> fronts;  // by sensor: error of a time
+  std::map<std::string, std::map<double, double>> fronts;  // by sensor: error by frame time
   std::vector<Chart> charts;
   for (const TradePoint& p : points) {
-    // The reference's error is 0 by definition: its logarithm has no place.
+    // The reference's error is 0, whose logarithm is undefined.
     if (p.on_front && p.error > 0.0) fronts[p.sensor][p.times_balanced.median] = p.error;
   }
   for (const auto& [sensor, front] : fronts) {

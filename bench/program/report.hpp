@@ -1,5 +1,5 @@
 #pragma once
-// What a bench measured, as one HTML file.
+// HTML report of measurements.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,13 +14,14 @@ struct Chart {
   std::string title, x_label;
   std::vector<ChartSeries> series;
 };
-/// The charts, then one table for each thing measured. Atomic; Error{kInput} when the file can't be written.
+/// Writes the charts, then one table per measured subject, atomically. Throws Error{kInput} if the file
+/// cannot be written.
 void write_report(const std::filesystem::path& file,
                   const std::string& title,
                   const std::vector<Row>& rows,
                   const std::vector<Chart>& charts = {});
 
-/// A chart per sensor of what lies on the front: error over frame time, both as powers of ten.
+/// Returns a chart per sensor of the Pareto front: error over frame time, both as powers of ten.
 [[nodiscard]] std::vector<Chart> front_charts(const std::vector<TradePoint>& points);
 
 }  // namespace simuli::bench

@@ -22,7 +22,7 @@ constexpr std::int64_t kParticles = 200'000;
 constexpr double kSameBits_dB = 200.0;
 constexpr char kMagic[] = "simuli agreement 1\n";
 
-/// Of every ray: three features, transmittance, expected distance (m).
+/// Values per ray: three features, transmittance, expected distance (m).
 constexpr std::size_t kValues = 5;
 using Picture = std::vector<float>;  // [rays][kValues]
 
@@ -44,7 +44,7 @@ Picture render(const Device& device, SetKind kind, Precision precision) {
   (kind == SetKind::kCamera ? street.camera : street.lidar) = street_particles(kind, 3, kParticles, 1);
   street.lidar_background = {0.0F, 0.0F, 0.0F};
   SceneOnDevice scene(device, std::move(street), options);
-  // 15 m/s and 30 degrees/s for 20 and 100 ms.
+  // Motion of 15 m/s and 30 degrees/s for 20 and 100 ms.
   Camera camera = bench_camera();
   camera.shutter = ShutterKind::kTopToBottom;
   const Sensor sensor =
@@ -58,7 +58,7 @@ Picture render(const Device& device, SetKind kind, Precision precision) {
   return picture_of(scene.render(sensor, {start, end}).results());
 }
 
-/// NaN counts as the largest of all errors.
+/// Returns the larger error; NaN counts as the largest.
 double larger(double worst, double error) { return error <= worst ? worst : error; }
 
 void compare_cameras(const std::string& base, const Picture& a, const Picture& b, std::vector<Row>& rows) {
@@ -109,7 +109,7 @@ void compare(const std::string& name,
   (name == "camera" ? compare_cameras : compare_lidars)(base, a, b, rows);
 }
 
-/// "camera_float" -> its picture.
+/// Results by name, for example "camera_float".
 using Pictures = std::map<std::string, Picture>;
 
 void write(const std::string& file, const Pictures& pictures) {
@@ -124,7 +124,7 @@ void write(const std::string& file, const Pictures& pictures) {
   if (!out) throw Error(ErrorKind::kInput, file + ": can't be written");
 }
 
-/// The pictures of `file` that are of the sizes of `like`.
+/// Reads the results in `file` that have the sizes of `like`.
 Pictures read(const std::string& file, const Pictures& like) {
   std::ifstream in(file, std::ios::binary);
   std::string line;

@@ -7,18 +7,17 @@
 
 namespace simuli::bench {
 
-/// Renders the bench street from a moving rolling-shutter camera and a moving LiDAR, in float and where the
-/// device can in double, and compares every ray with what another OpenCL implementation made of it. When
-/// there is no `file` yet, the results are written to it (the reals as they are in memory) and compared with
-/// themselves:
-///   agreement/<camera|lidar>_<float|double>/rays_of_other_bits   share of rays that differ at all
-///   agreement/camera_.../psnr                                    dB of colours of 0 to 1; 200 for the same
-///   bits agreement/camera_.../largest                                 of 1 agreement/lidar_.../hit_otherwise
-///   share of rays that only one of both hits agreement/lidar_.../range_p99, .../range_largest             m,
-///   of rays that both hit
-/// and, where the device has double precision, agreement/<camera|lidar>_own_double/...: the same of its float
-/// results against its own double ones.
-/// Error{kDevice} for no device, Error{kInput} when `file` can't be read or written or is no such file.
+/// Renders the bench street with a moving rolling-shutter camera and a moving LiDAR, in float and, if the
+/// device supports it, in double, and compares each ray with the results of another OpenCL implementation. If
+/// `file` does not exist, the results are written to it (raw reals) and compared with themselves:
+///   agreement/<camera|lidar>_<float|double>/rays_of_other_bits   share of rays with any difference
+///   agreement/camera_.../psnr         dB of colours in [0, 1]; 200 for identical bits
+///   agreement/camera_.../largest      colour error in [0, 1]
+///   agreement/lidar_.../hit_otherwise share of rays with a return in only one of both
+///   agreement/lidar_.../range_p99, .../range_largest   m, of rays with a return in both
+/// and with double precision agreement/<camera|lidar>_own_double/...: the same for the device's float results
+/// against its double results. Throws Error{kDevice} without a device, Error{kInput} for an unreadable,
+/// unwritable or invalid `file`.
 [[nodiscard]] std::vector<Row> run_agreement(const std::string& device_request,
                                              const std::string& file,
                                              const std::function<void(const std::string&)>& note);

@@ -1,4 +1,4 @@
-// simuli_host_bench: what the host does around frames, by Google Benchmark. Run with --benchmark_filter=NAME.
+// Program simuli_host_bench: host work per frame, with Google Benchmark. Run with --benchmark_filter=NAME.
 #include <benchmark/benchmark.h>
 #include <cstddef>
 #include <filesystem>
@@ -12,7 +12,7 @@
 namespace simuli {
 namespace {
 
-/// A ray grid is made once per camera.
+/// A ray grid is built once per camera,
 void BM_RayGridCamera(benchmark::State& state) {
   Camera camera;
   camera.name = "bench";
@@ -26,7 +26,7 @@ void BM_RayGridCamera(benchmark::State& state) {
 }
 BENCHMARK(BM_RayGridCamera)->Arg(640)->Arg(1920)->Unit(benchmark::kMillisecond);
 
-/// ... and once per sweep, as measured rays differ from sweep to sweep.
+/// and once per sweep, since measured rays differ between sweeps.
 void BM_RayGridLidar(benchmark::State& state) {
   const Lidar lidar = builtin_lidar("generic64");
   const LidarRays rays = nominal_rays(lidar);

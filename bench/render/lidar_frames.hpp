@@ -1,5 +1,5 @@
 #pragma once
-// What the benches of LiDAR tiles and culling share.
+// Common parts of the benches of LiDAR tiles and culling.
 #include <functional>
 #include <map>
 #include <optional>
@@ -12,21 +12,22 @@
 
 namespace simuli::bench {
 
-/// Says one line to whoever waits.
+/// Receives one line of progress.
 using Progress = std::function<void(const std::string&)>;
 
-/// A device that records the time of every kernel.
+/// Opens a device that records the time of each kernel.
 [[nodiscard]] Device profiled_device(const std::string& request, const Progress& note);
 
-/// `rows` beams evenly from `top` to `bottom` (degrees), `columns` firings over `span` (rad), ideal rays.
+/// Returns `rows` evenly spaced beams from `top` to `bottom` (degrees) with `columns` columns over `span`
+/// (rad) and ideal rays.
 [[nodiscard]] Lidar even_lidar(int rows, int columns, double top, double bottom, double span);
 
 struct FrameTimes {
-  double frame_ms = 0.0;                   // from call to result on the device
+  double frame_ms = 0.0;                   // from the call to the result on the device
   std::map<std::string, double> stage_ms;  // device time: rays, project, sort, bin, blend
 };
 
-/// One sensor before the bench's street, at rest, with one way to render it.
+/// A resting sensor in the bench's street with one set of render options.
 class LidarFrames {
  public:
   LidarFrames(const Device& device,
@@ -35,10 +36,10 @@ class LidarFrames {
               const RenderOptions& options);
 
   FrameTimes run();
-  /// From now on these rays alone.
+  /// Restricts later frames to these rays.
   void request(const std::vector<bool>& rays) { rays_ = rays_.requested(rays); }
   [[nodiscard]] const SensorRays& rays() const { return rays_; }
-  /// The last frame.
+  /// Returns the last frame.
   [[nodiscard]] const Pass& pass() const { return *pass_; }
 
  private:
@@ -49,7 +50,7 @@ class LidarFrames {
   View view_;
 };
 
-/// The street of bench/particles/particle_street.hpp, SH degree 3, for LiDARs.
+/// Returns the street of bench/particles/particle_street.hpp for LiDARs, SH degree 3.
 [[nodiscard]] ParticleBuffers lidar_street(const Device& device, std::int64_t particles);
 
 }  // namespace simuli::bench

@@ -32,7 +32,7 @@ GaussianSet long_set(SetKind kind, const LongStreetOptions& options, double leng
       length_m);
 }
 
-/// A street on the device, once as particles that stay as they are and once as some that may change.
+/// A street on the device, once as a constant set and once with levels of detail.
 struct Street {
   Street(const Device& device, SetKind of, const LongStreetOptions& options, double length)
       : Street(device, of, options, length, long_set(of, options, length)) {}
@@ -56,8 +56,9 @@ struct Renderers {
   Renderer usual, detail;
 };
 
-/// Frames a metre apart, as a car at 10 m/s sees them, with all of a street's particles on the device and
-/// with those alone that frames may see. Of cameras, which see to its end, with levels of detail.
+/// Renders frames one metre apart, as from a car at 10 m/s, with all particles of a street on the device, and
+/// with only the pages that frames may need. Cameras use levels of detail, since they see to the end of the
+/// street.
 class LongDrive {
  public:
   LongDrive(const Device& device, SetKind kind, const LongStreetOptions& options, const GaussianSet& set)
@@ -77,7 +78,7 @@ class LongDrive {
     add("pages", known.pages(), "1");
     std::uint32_t most = 0;
     {
-      // All there: the most that one frame sees.
+      // With all pages resident: the maximum number of pages per frame.
       ParticlePages pages(device_, set_, options_, known.pages());
       drive(pages, [&] { most = std::max(most, pages.seen()); });
     }
@@ -102,7 +103,7 @@ class LongDrive {
 
  private:
   struct Times {
-    std::vector<double> frame, processor;  // ms, rising
+    std::vector<double> frame, processor;  // ms, ascending
     double device_mb = 0.0;
   };
   template <class Add>
@@ -116,7 +117,7 @@ class LongDrive {
     add(name + "processor_p99", at(times.processor, 99), "ms");
     add(name + "device", times.device_mb, "MB");
   }
-  /// The middle half of the street; what comes with the first frames is not counted.
+  /// Drives along the middle half of the street; the pages of the first frames are not counted.
   template <class Particles, class AfterFrame>
   Times drive(Particles& particles, const AfterFrame& after) const {
     Renderer renderer(device_, options_);
@@ -135,7 +136,7 @@ class LongDrive {
       times.processor.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
       after();
     }
-    // This set, and all that frames keep.
+    // Memory of this set and of all buffers of frames.
     times.device_mb = static_cast<double>(device_.memory().now) / 1e6;
     std::sort(times.frame.begin(), times.frame.end());
     std::sort(times.processor.begin(), times.processor.end());
@@ -206,7 +207,7 @@ class StreetPosition {
   }
 
  private:
-  /// ms of a frame, and of its stages.
+  /// Returns the ms of a frame and of its stages.
   std::map<std::string, double> times(Renderer& renderer,
                                       const SensorRays& rays,
                                       const ParticleBuffers& particles) {

@@ -7,31 +7,30 @@ namespace simuli::bench {
 
 struct LongStreetOptions {
   double length_m = 0.0;
-  std::int64_t particles = 200'000;  // of 180 m of it
-  int frames = 21;                   // timed at each place
+  std::int64_t particles = 200'000;  // in 180 m of the street
+  int frames = 21;                   // timed frames per place
   double detail = 0.5;               // RenderOptions::detail
 };
 
-/// A 640 x 360 camera and a 64 x 2650 LiDAR at five places along a long street and half-way down the one of
-/// 180 m, with clusters of particles left out that the sensor cannot see and without, frames of both in
-/// turns:
+/// Renders a 640 x 360 camera and a 64 x 2650 LiDAR at five places along a long street and half-way along the
+/// street of 180 m, with and without culling of particle clusters, frames of both in turns:
 ///   long_street/<camera|lidar>/<metres>m_at_<place>/...
 ///   ... frame, project, bin             ms
-///   ... processor                       ms of this process in a frame: what to read on a busy machine, of
-///   CPUs
-///   ... <each of these>_of_all          its share of that with all clusters looked at
-///   ... <each of these>_detail          its share of that without, with levels of detail; clusters left out
+///   ... processor                       ms of CPU time of this process per frame, for busy machines
+///   ... <each of these>_of_all          ratio to the time without culling
+///   ... <each of these>_detail          ratio to the time without levels of detail, with culling
 ///   ... visible_detail                  particles
 ///   ... psnr_detail, p99_detail         dB, and mm of rays that return in both
 ///   ... live                            % of the clusters
 ///   ... visible                         particles
-/// and from a quarter of the long one to three quarters of it, a frame a metre, with that alone on the device
-/// which frames may see (host/device/render/pages) and with all of it:
+/// and from one quarter of the long street to three quarters, one frame per metre, with only the needed pages
+/// on the device (host/device/render/pages) and with all particles:
 ///   long_street/<camera|lidar>/drive/...
-///   ... pages, places                   of the street, and room for: a tenth more than a frame sees at most
+///   ... pages, places                   pages of the street, and capacity: a tenth more than the maximum per
+/// frame
 ///   ... brought_a_metre, brought_at_once  pages
 ///   ... [all_]frame_median, frame_p99, processor_median, processor_p99    ms
-///   ... [all_]device                    MB of the device, with all that a frame keeps
+///   ... [all_]device                    MB on the device, with all buffers of frames
 [[nodiscard]] std::vector<Row> run_long_street(const std::string& device_request,
                                                const LongStreetOptions& options,
                                                const Progress& note);

@@ -1,4 +1,4 @@
-// simuli_bench: the stage benchmark alone, for machines on which only the core can be built.
+// Program simuli_bench: only the stage benchmark, for machines that can build only the core.
 #include <cstdlib>
 #include <exception>
 #include <iostream>

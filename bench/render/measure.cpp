@@ -6,7 +6,7 @@
 namespace simuli::bench {
 
 std::string to_json(const std::vector<Row>& rows) {
-  // Names and units are our own identifiers: nothing in them needs escaping.
+  // Names and units are identifiers without characters to escape.
   std::string out = "[\n";
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Row& r = rows[i];

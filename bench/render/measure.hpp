@@ -7,15 +7,15 @@
 
 namespace simuli::bench {
 
-/// One measured number. Names read `<table>/<variant>/<metric>`.
+/// One measured number, named `<table>/<variant>/<metric>`.
 struct Row {
   std::string name;
   double value = 0.0;
   std::string unit;
-  double spread = 0.0;  // half the distance of the quartiles, in the unit
+  double spread = 0.0;  // half the interquartile range, in `unit`
 };
 
-/// The rows as a JSON array of {name, value, unit, spread}, and as a table for people.
+/// Returns the rows as a JSON array of {name, value, unit, spread}, or as a text table.
 [[nodiscard]] std::string to_json(const std::vector<Row>& rows);
 [[nodiscard]] std::string to_text(const std::vector<Row>& rows);
 

@@ -12,8 +12,8 @@
 namespace simuli::bench {
 namespace {
 
-// 12 chains hide the latency of a multiply-add on every processor with up to 32 vector registers. F: 16 lanes on CPUs,
-// one on GPUs, whose work-items lie side by side in memory then.
+// 12 chains hide the latency of a multiply-add on processors with up to 32 vector registers. F: 16 lanes on
+// CPUs; one on GPUs, whose neighbouring work-items access neighbouring memory.
 constexpr std::string_view kPeakText = R"(
 #include "math/lanes.h"
 __kernel void multiply_add(const uint rounds, const float factor, __global real* out) {
@@ -36,11 +36,11 @@ __kernel void triad(__global const real* b, __global const real* c, const float 
 }
 )";
 constexpr std::uint64_t kChains = 12, kReals = std::uint64_t{1} << 19U, kRounds = 512;
-constexpr std::uint64_t kTriadReals = std::uint64_t{1} << 25U;  // 128 MB an array
-constexpr double kLeast_s = 5e-3;  // of a launch: clocks of GPUs rise with the load
+constexpr std::uint64_t kTriadReals = std::uint64_t{1} << 25U;  // 128 MB per array
+constexpr double kLeast_s = 5e-3;  // minimum time of a launch: GPU clocks rise with the load
 constexpr int kRuns = 7;
 
-// As kernels/render.cl walks its lists; of blending it keeps what terminates rays.
+// Visits lists as kernels/render.cl does; of blending only the termination of rays remains.
 constexpr std::string_view kVisitsText = R"(
 #include "math/response.h"
 #include "math/tile.h"
@@ -87,12 +87,12 @@ __kernel void count_visits(const FrameParams frame,
 }
 )";
 
-/// The best time of `launch`'s kernel, s.
+/// Returns the shortest time of `launch`'s kernel in s.
 template <class F>
 double best_seconds(const Device& device, const F& launch) {
   Profile& profile = device.profile();
   double best_ms = 0.0;
-  for (int i = -1; i < kRuns; ++i) {  // the first launch compiles, and touches the pages
+  for (int i = -1; i < kRuns; ++i) {  // the first launch compiles and touches the pages
     profile.reset();
     launch();
     const double ms = profile.rows().at(0).min_ms;
@@ -104,17 +104,17 @@ double best_seconds(const Device& device, const F& launch) {
 
 double giga(std::uint64_t count) { return static_cast<double>(count) * 1e-9; }
 
-// Operations, a fused multiply-add being two and each call of a built-in function one, counted by Oclgrind
-// with 300, 1000 and 3000 particles and solved for (bench/RESULTS.md, "Roofline").
+// Operations: a fused multiply-add counts as two, a call of a built-in function as one. Counted with Oclgrind
+// for 300, 1000 and 3000 particles and solved (bench/RESULTS.md, "Roofline").
 struct Operations {
-  std::uint64_t project;           // a visible particle, and its share of those that are culled
-  std::uint64_t project_backward;  // a visible particle
-  std::uint64_t blend_slot;        // background; of a LiDAR also its drop function
+  std::uint64_t project;           // per visible particle, with its share of the culled particles
+  std::uint64_t project_backward;  // per visible particle
+  std::uint64_t blend_slot;        // background; for a LiDAR also its drop function
 };
 constexpr Operations kCameraOperations{1037, 880, 6}, kLidarOperations{1970, 879, 143};
-constexpr std::uint64_t kRespond = 24, kRespondWithOrigins = 57;  // a lane looked at
-constexpr std::uint64_t kBlend = 31, kBlendBackward = 123;        // a lane of a vector that changes
-constexpr std::uint64_t kSum = 20, kBackwardSlot = 9;             // a lane of a pair; a slot
+constexpr std::uint64_t kRespond = 24, kRespondWithOrigins = 57;  // per visited lane
+constexpr std::uint64_t kBlend = 31, kBlendBackward = 123;        // per lane of a vector that changes
+constexpr std::uint64_t kSum = 20, kBackwardSlot = 9;             // per lane of a pair; per slot
 
 }  // namespace
 
@@ -183,7 +183,7 @@ std::map<std::string, StageWork> stage_work(const Pass& pass) {
                       tiles = std::uint64_t{pass.frame().tiles_x} * pass.frame().tiles_y;
   const std::uint64_t coefficients =
       3 * static_cast<std::uint64_t>((kind.sh_degree + 1) * (kind.sh_degree + 1));
-  const std::uint64_t ray_rows = (kind.origins ? 6 : 3) + 1;  // and the place along x
+  const std::uint64_t ray_rows = (kind.origins ? 6 : 3) + 1;  // and the position along x
   const std::uint64_t outputs = kind.median ? SIM_O_DROP : SIM_O_MEDIAN;
   const auto lanes = static_cast<std::uint64_t>(pass.variant().options.shape.lanes);
   const Visits visits = count_visits(pass);

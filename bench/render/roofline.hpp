@@ -1,6 +1,6 @@
 #pragma once
-// How close a frame's stages come to what the device can do: their arithmetic and memory traffic, and peaks
-// of both measured beside them (Williams, Waterman, Patterson: Roofline, CACM 52(4), 2009).
+// Roofline model: arithmetic and memory traffic of a frame's stages relative to measured peaks of the device
+// (Williams, Waterman, Patterson: Roofline, CACM 52(4), 2009).
 #include <cstdint>
 #include <map>
 #include <string>
@@ -10,22 +10,23 @@
 
 namespace simuli::bench {
 
-/// What kernels that do nothing else reach on all compute units, in float.
+/// Peaks of dedicated float kernels on all compute units.
 struct Peak {
-  double gflop_s = 0.0;  // independent fused multiply-adds on registers, two operations each
-  double gbyte_s = 0.0;  // a = b + s c over arrays that no cache holds
+  double gflop_s = 0.0;  // independent fused multiply-adds in registers, two operations each
+  double gbyte_s = 0.0;  // a = b + s c over arrays larger than all caches
 };
 
-/// The best of several runs. Needs a device that was opened with profiling, and 384 MB of it.
+/// Returns the best of several runs. Needs a device opened with profiling and 384 MB of its memory.
 [[nodiscard]] Peak measure_peak(const Device& device);
 
-/// Vectors of rays that blending looks at for a particle, and those in which it changes a ray.
+/// Ray vectors that blending tests per particle, and vectors in which a ray changes.
 struct Visits {
   std::uint64_t looked = 0;
   std::uint64_t changed = 0;
 };
 
-/// Counted by going through the frame's lists again. Of a pass in order of range without actors in motion.
+/// Counts visits by processing the lists of the frame again. Needs a pass in order of range without moving
+/// actors.
 [[nodiscard]] Visits count_visits(const Pass& pass);
 
 struct StageWork {
@@ -33,9 +34,9 @@ struct StageWork {
   double gbyte = 0.0;
 };
 
-/// What the stages of a frame and of its backward pass do at least: each value that a stage takes or leaves
-/// moves once between it and memory, however often it is used; arithmetic in all lanes of a vector. Stages
-/// that only move integers have no arithmetic.
+/// Returns the minimum work of the stages of a frame and its backward pass: each input and output value of a
+/// stage is transferred once; arithmetic counts all lanes of a vector. Stages that only move integers have no
+/// arithmetic.
 [[nodiscard]] std::map<std::string, StageWork> stage_work(const Pass& pass);
 
 }  // namespace simuli::bench

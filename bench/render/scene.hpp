@@ -6,16 +6,17 @@
 
 namespace simuli::bench {
 
-/// Half-way down the street of bench/particles/particle_street.hpp, 1.6 m up, looking along it.
+/// Returns a pose half-way along the street of bench/particles/particle_street.hpp, 1.6 m high, with a view
+/// along the street.
 [[nodiscard]] Pose world_from_bench_camera();
 
-/// That, or where the street's LiDAR is.
+/// Returns the pose of the bench camera or of the street's LiDAR.
 [[nodiscard]] Pose world_from_bench_sensor(SetKind kind);
 
-/// 640 x 360 pixels, 80 degrees across.
+/// Returns a camera of 640 x 360 pixels with a horizontal field of view of 80 degrees.
 [[nodiscard]] Camera bench_camera();
 
-/// Rays of that camera, or of a generic64.
+/// Returns the rays of the bench camera or of a generic64.
 [[nodiscard]] SensorRays bench_rays(const Device& device, SetKind kind, const RenderOptions& options);
 
 }  // namespace simuli::bench

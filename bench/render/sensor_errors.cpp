@@ -17,32 +17,32 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kFloatUnit = 0x1p-24;  // relative rounding of one operation
-constexpr int kOfEachCase = 12;         // particles, one after the other
-constexpr float kOpacityLogit = 2.2F;   // 0.9
+constexpr int kOfEachCase = 12;         // number of particles, rendered one after the other
+constexpr float kOpacityLogit = 2.2F;   // opacity 0.9
 
-// What the float build may add up, per unit of rounding: the direction of the ray, its turn into the world
-// and into the particle's frame, the matrix and the centre, a few roundings each.
+// Maximum error of the float build in units of rounding: ray direction, rotation to world and particle frame,
+// matrix and centre, a few roundings each.
 constexpr double kRoundings = 6.0;
-// The sensor's place is rounded, the more the farther it is from the scene origin; the difference from a
-// particle's is exact.
+// The rounding error of the sensor position grows with the distance from the scene origin; the difference to
+// the particle's position is exact.
 constexpr double kPlaceRoundings = 2.0;
-// exp, squared distances up to 11 and 1 - T of rays that are hardly hit, without any amplification.
+// Errors of exp, squared distances up to 11 and 1 - T of rays with low opacity, without amplification.
 constexpr double kTransmittanceFloor = 2e-5;
 constexpr double kDistanceFloor = 5e-5;
-// Rays within rounding of the edge of a particle's reach or box may be decided either way.
+// Rays within rounding of the edge of a particle's extent or box may hit in only one build.
 constexpr double kDecidedOtherwise = 0.005;
-// Many particles: a ray decided otherwise shifts what lies behind; so all but one ray in a hundred.
+// With many particles such a ray changes the particles behind; so one ray in a hundred is excluded.
 constexpr double kSetShare = 0.99;
-constexpr float kSetOpacityLogit = -2.2F;  // 0.1: the nearest hide nothing
+constexpr float kSetOpacityLogit = -2.2F;  // opacity 0.1: near particles hide no others
 constexpr double kSetTransmittance = 1e-4;
 
-/// Particles of one size at one range, and how far from where floats are fine.
+/// Particles of one size at one range, and offsets of sensor and scene origin.
 struct Extreme {
   const char* name;
   double range_m;
   Vector3d scale_m;
-  double scene_offset_m = 0.0;  // of the sensor from the scene origin
-  double world_offset_m = 0.0;  // of the scene origin from the world's
+  double scene_offset_m = 0.0;  // from the scene origin to the sensor
+  double world_offset_m = 0.0;  // from the world origin to the scene origin
 };
 
 std::vector<Extreme> all_cases() {
@@ -70,7 +70,8 @@ std::vector<Extreme> all_cases() {
   };
 }
 
-/// How a sensor moves during a frame: a camera's window is read, a LiDAR turns once, in `frame_s`.
+/// Motion of a sensor during a frame: a camera window is read, or a LiDAR completes a revolution, in
+/// `frame_s`.
 struct Motion {
   const char* name;
   double camera_s, lidar_s;
@@ -86,7 +87,8 @@ constexpr Motion kMotions[] = {
     {"1000_degrees_per_s", 0.02 * 64.0 / 1080.0, 0.1, 30.0, 1000.0},
 };
 
-/// One sensor at rest or moving: a window in the corner of a picture of long focal length, or a whole turn.
+/// One resting or moving sensor: a window in the corner of a picture with a long focal length, or a full
+/// revolution.
 struct Rig {
   SetKind kind = SetKind::kCamera;
   Motion motion;
@@ -102,15 +104,15 @@ struct Rig {
     return kind == SetKind::kCamera ? SensorRays(device, camera, options)
                                     : SensorRays(device, lidar, rays, options);
   }
-  /// Variance of the footprint per squared metre of range.
+  /// Returns the variance of the footprint per squared range.
   [[nodiscard]] double kappa() const {
     if (kind == SetKind::kCamera) return kPixelVariance_px2 / (camera.fx * camera.fx);
     const double tangent = std::tan(lidar.beam_divergence / 2.0);
     return lidar.divergence_variance * tangent * tangent;
   }
-  /// Poses at the frame's ends, about `centre`; near particles see the sensor move less.
+  /// Returns poses at the ends of the frame, around `centre`; near particles use less motion.
   [[nodiscard]] View view(const Vector3d& centre, double range_m) const;
-  /// Origin and direction of a ray in the frame of `view`.
+  /// Computes origin and direction of a ray in the frame of `view`.
   void ray(const View& view, std::size_t index, Vector3d& origin, Vector3d& direction) const;
 };
 
@@ -181,7 +183,7 @@ double random_in(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1p-53;
 }
 
-/// A particle close to a random ray of the view.
+/// Returns a particle close to a random ray of the view.
 GaussianSet particle_on_a_ray(const Rig& rig,
                               const View& view,
                               const Extreme& extreme,
@@ -211,7 +213,7 @@ bool all_finite(const RayResults& results) {
          good(results.transmittance) && good(results.distance) && good(results.median);
 }
 
-/// The builds in float and double of one device.
+/// Float and double builds of one device.
 class Builds {
  public:
   explicit Builds(const Device& device)
@@ -247,7 +249,7 @@ class Builds {
   std::optional<SensorRays> float_rays_, double_rays_;
 };
 
-/// Worst of all rays of a case.
+/// Largest errors over the rays of a case.
 struct Worst {
   double transmittance = 0.0;
   double distance = 0.0;
@@ -274,7 +276,7 @@ void Worst::add(const Builds::Pair& pair, double range_m) {
   }
 }
 
-/// Collects rows and holds them against their bounds.
+/// Collects rows and checks them against their bounds.
 class Table {
  public:
   explicit Table(ExtremesReport& report) : report_(report) {}
@@ -301,9 +303,9 @@ class Table {
 void run_case(Builds& builds, const Rig& rig, const Extreme& extreme, Table& table) {
   std::mt19937_64 random(7);
   const Vector3d offset = extreme.scene_offset_m * Vector3d(0.6, -0.8, 0.0);
-  // As every reader does: poses of the world minus the scene origin, in double.
+  // As in all readers: world poses minus the scene origin, in double.
   const Vector3d origin = extreme.world_offset_m * Vector3d(0.5, 0.8, 0.0);
-  const Vector3d place = offset + Vector3d(0.3, -0.2, 1.6);  // of the sensor in the scene
+  const Vector3d place = offset + Vector3d(0.3, -0.2, 1.6);  // position of the sensor in the scene
   View view = rig.view(origin + place, extreme.range_m);
   view.scene_from_sensor_start.translation -= origin;
   view.scene_from_sensor_end.translation -= origin;
@@ -312,7 +314,7 @@ void run_case(Builds& builds, const Rig& rig, const Extreme& extreme, Table& tab
     const GaussianSet set = particle_on_a_ray(rig, view, extreme, random);
     worst.add(builds.render(set, view), extreme.range_m);
   }
-  // The thinner a particle is for its distance, the more standard deviations a rounding is.
+  // Rounding in standard deviations grows as particles become thinner relative to their distance.
   const double widened = std::sqrt(rig.kappa()) * extreme.range_m;
   const double thin = std::hypot(extreme.scale_m.minCoeff(), widened);
   const double wide = std::hypot(extreme.scale_m.maxCoeff(), widened);
@@ -321,7 +323,7 @@ void run_case(Builds& builds, const Rig& rig, const Extreme& extreme, Table& tab
   table.need(worst.finite, base + ": a value is not finite");
   table.need(worst.hit > 0, base + ": no ray hits any particle");
   table.add(base + "/transmittance", worst.transmittance, kTransmittanceFloor + rounding_m / thin, "of 1");
-  // Along a particle seen at a grazing angle a shift across it grows by its aspect.
+  // At a grazing angle the shift along a particle exceeds the shift across it by its aspect ratio.
   table.add(base + "/distance",
             worst.distance,
             kDistanceFloor + rounding_m / extreme.range_m * (wide / thin),
@@ -331,7 +333,7 @@ void run_case(Builds& builds, const Rig& rig, const Extreme& extreme, Table& tab
               kDecidedOtherwise);
 }
 
-/// Every case near the scene origin at once, but for what alone would fill the view.
+/// Renders all cases near the scene origin together, except cases that would fill the view.
 void run_set(Builds& builds, const Rig& rig, Table& table) {
   std::mt19937_64 random(11);
   const View view = rig.view({0.3, -0.2, 1.6}, 0.25);

@@ -12,7 +12,7 @@
 namespace simuli::bench {
 namespace {
 
-/// Kernel -> stage of the table.
+/// Stage of the table by kernel.
 const std::map<std::string, std::string>& stage_of_kernel() {
   static const std::map<std::string, std::string> kStages{
       {"rays", "rays"},
@@ -58,8 +58,8 @@ class Case {
     view_ = {pose, pose, {0.0F, 0.0F, 0.0F}};
   }
 
-  /// Share of the tile pairs that no ray of their tile meets, in %: what a finer test per tile could
-  /// save. Only where no ray is done before its last particle.
+  /// Returns the share of tile pairs that no ray of their tile intersects, in %: the possible saving of a
+  /// finer tile test. Valid only if no ray terminates before its last particle.
   double pairs_without_ray() {
     pass_ = renderer_.render(particles_, rays_, view_);
     pass_->set_output_gradients(std::vector<double>(5 * rays(), 1.0));
@@ -73,7 +73,7 @@ class Case {
     return 100.0 * static_cast<double>(without) / static_cast<double>(pairs);
   }
 
-  /// One frame; its gradients as well when `backward`.
+  /// Renders one frame, with gradients if `backward`.
   Sample run(bool backward) {
     Profile& profile = renderer_.device().profile();
     profile.reset();
@@ -92,7 +92,7 @@ class Case {
     return sample;
   }
 
-  /// The last frame.
+  /// Returns the last frame.
   [[nodiscard]] const Pass& pass() const { return *pass_; }
   [[nodiscard]] std::size_t rays() const { return rays_.grid().rays; }
 
@@ -107,7 +107,7 @@ class Case {
   View view_;
 };
 
-/// What a stage does, and the share of each peak that it reaches in its time.
+/// Adds the work of a stage and its share of each peak.
 void add_roofline(const std::string& name,
                   const StageWork& work,
                   const Spread& time_ms,
@@ -199,7 +199,7 @@ std::vector<Row> run_stages(const std::string& device_request,
                     mega / frame.median,
                     kind == SetKind::kCamera ? "MP/s" : "MR/s",
                     mega * frame.half_iqr / (frame.median * frame.median)});
-    // What a model of another device needs (bench/gpu/model.py).
+    // Inputs of the model of other devices (bench/gpu/model.py).
     for (const auto& [what, count] : {std::pair{"visible", std::size_t{buffers.binned.visible}},
                                       {"instances", std::size_t{buffers.binned.pairs}},
                                       {"rays_in_tiles", std::size_t{shaped.pass().frame().slots}}}) {

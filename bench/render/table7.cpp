@@ -15,10 +15,11 @@ namespace {
 struct Case {
   const char* name;
   double span_rad;
-  std::function<bool(std::size_t row, std::size_t column, std::size_t columns)> wants;  // empty: all rays
+  // requested rays; empty: all
+  std::function<bool(std::size_t row, std::size_t column, std::size_t columns)> wants;
 };
 
-/// Share of the last frame's tile pairs that lie in tiles without a requested ray, in %.
+/// Returns the share of the last frame's pairs in tiles without a requested ray, in %.
 double in_empty_tiles(const LidarFrames& frames, const SensorRays& rays, const std::vector<bool>& requested) {
   const auto& grid = rays.grid();
   const auto first = frames.pass().buffers().binned.first.download();
@@ -33,9 +34,10 @@ double in_empty_tiles(const LidarFrames& frames, const SensorRays& rays, const s
   return first.back() == 0 ? 0.0 : 100.0 * static_cast<double>(empty) / first.back();
 }
 
-/// Particles that a dense sweep between these elevations (degrees) sees without any query.
+/// Counts the particles that a dense sweep between these elevations (degrees) shows without ray-based
+/// culling.
 std::uint32_t seen_between(const Device& device, const ParticleBuffers& street, double top, double bottom) {
-  constexpr int kRows = 4096, kColumns = 64;  // no particle lies between such rows; columns are not looked at
+  constexpr int kRows = 4096, kColumns = 64;  // no particle fits between such beams; columns do not matter
   RenderOptions options = paper_options();
   options.culling = Culling::kOff;
   LidarFrames frames(
@@ -69,7 +71,7 @@ std::vector<Case> all_cases() {
   };
 }
 
-/// The rays that a case asks for.
+/// Returns the requested rays of a case.
 std::vector<bool> rays_of(const Case& one, const Lidar& sensor) {
   const auto columns = static_cast<std::size_t>(sensor.columns);
   std::vector<bool> requested(sensor.ray_count(), true);
@@ -79,10 +81,10 @@ std::vector<bool> rays_of(const Case& one, const Lidar& sensor) {
   return requested;
 }
 
-/// One case without culling and with it.
+/// One case with and without culling.
 class Ways {
  public:
-  using Samples = std::map<std::string, std::map<std::string, std::vector<double>>>;  // way, stage
+  using Samples = std::map<std::string, std::map<std::string, std::vector<double>>>;  // by variant and stage
 
   Ways(const Device& device, const Lidar& sensor, const ParticleBuffers& street)
       : off(device, sensor, street, options(Culling::kOff)),
@@ -91,7 +93,7 @@ class Ways {
   void request(const std::vector<bool>& rays) {
     for (const auto& [name, way] : all()) way->request(rays);
   }
-  /// Times of the stages, ms, in turns.
+  /// Returns the times of the stages in ms, measured in turns.
   Samples time() {
     Samples samples;
     for (int frame = -2; frame < kFrames; ++frame) {

@@ -1,9 +1,10 @@
-// What the server costs beside rendering: simuli_serve_bench SCENE CAMERA WIDTH HEIGHT [FRAMES]
+// Program simuli_serve_bench SCENE CAMERA WIDTH HEIGHT [FRAMES]: overhead of the server relative to
+// rendering.
 //
-// Pictures along the recorded path over loopback, planar, each also rendered and brought to the host without
-// the server, as numbers and as bytes, in turns; the same where there is nothing to render, so that the
-// server's own part is not lost in the spread of the rendering; then six pictures of one moment in a batch
-// against six calls. Medians, and half the distance of the quartiles.
+// Renders pictures along the recorded trajectory over loopback, planar, and each also without the server, as
+// numbers and as bytes, in turns; then the same with an empty view, so that the overhead is not hidden by the
+// spread of rendering times; then six pictures of one time as a batch and as six calls. Prints medians and
+// half of the interquartile ranges.
 #include <algorithm>
 #include <cstdlib>
 #include <exception>
@@ -89,7 +90,7 @@ int run(const std::vector<std::string>& arguments) {
   struct Times {
     std::vector<double> results, pictures, calls, more;
   };
-  // The first ones compile.
+  // The first frames compile.
   const auto measure = [&](float above_m) {
     Times times;
     for (int i = -2; i < frames; ++i) {

@@ -1,5 +1,5 @@
-// Makes the plain synthetic street a detailed one: the parts that solids are added by, and what is taken from
-// the plain street; kerbs.
+// Generates the detailed synthetic street: helpers that add solids, the plan taken from the plain street,
+// kerbs.
 #include "bench/street/detail.hpp"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ double distance_to_row(double x, double first, double every) {
   return std::min(past, every - past);
 }
 
-/// Where the kerb is lowered: at crossings, and at driveways away from what stands on the kerb.
+/// Returns the positions of lowered kerbs: crossings, and driveways away from objects on the kerb.
 std::vector<double> ramps_on(StreetSide& side, const std::vector<StreetSolid>& trunks) {
   std::vector<double> ramps;
   double driveway = kDetailStart_m + side.between(6.0, 14.0);
@@ -46,7 +46,7 @@ std::vector<double> ramps_on(StreetSide& side, const std::vector<StreetSolid>& t
   return ramps;
 }
 
-/// The plain street's solids on one side that the detailed one needs or does without.
+/// Extracts the plan of one side from the solids of the plain street and removes replaced solids.
 StreetPlan plan_of(std::vector<StreetSolid>& solids, double side) {
   StreetPlan plan;
   std::vector<StreetSolid> kept;
@@ -146,7 +146,7 @@ StreetSolid& StreetSide::ball(double x, double y, double z, double radius) {
 }
 
 StreetSolid& StreetSide::plate(double x, double y, double z, double radius, int sides) {
-  const double reach = sides == 3 ? 2.0 : 1.5;  // of a triangle's corners; a square's
+  const double reach = sides == 3 ? 2.0 : 1.5;  // circumradius factor of a triangle and of a square
   const Vector3d centre = placed(x, y, z), arm(0.0, reach * radius, reach * radius);
   StreetSolid& solid = add(meet_plate, centre - arm, centre + arm, centre, radius);
   solid.axis.x() = sides;
@@ -223,7 +223,7 @@ void add_detail(StreetWorld& world) {
   std::vector<StreetSolid> added;
   for (const double sign : {-1.0, 1.0}) {
     StreetPlan plan = plan_of(world.solids, sign);
-    // Numbers of their own for each kind of thing: one more of one moves none of another.
+    // Separate random numbers per kind of object: one more object of a kind changes no other kind.
     const auto side = [&](std::uint64_t kind) {
       return StreetSide(added, sign, (world.seed * 64 + kind) * 2 + (sign > 0.0 ? 1 : 0) + 0x7f4a7c15ULL);
     };
@@ -233,8 +233,8 @@ void add_detail(StreetWorld& world) {
     for (StreetSolid& house : plan.houses) add_detail_house(houses, house);
     for (const StreetSolid& trunk : plan.trunks) add_detail_tree(trees, trunk);
     for (const Vector3d& at : plan.cars) {
-      // Where `bench --shift` moves the rig 3 m to the right it looks over the roofs of parked cars: within a
-      // van it would see nothing that is true.
+      // `bench --shift` moves the rig 3 m to the right, over the roofs of parked cars: inside a van the rig
+      // would see no valid view.
       constexpr double kFirst_m = -4.0, kLast_m = 30.0;
       const bool is_low = sign < 0.0 && at.x() > kFirst_m && at.x() < kLast_m;
       add_detail_vehicle(vehicles, at, is_low);

@@ -1,6 +1,5 @@
 #pragma once
-// Inside the detailed synthetic street: what stands there beside the plain one's houses, lamps and trunks,
-// and what it looks like.
+// Internals of the detailed synthetic street: its additional objects and their appearance.
 #include <Eigen/Core>
 #include <cstdint>
 #include <vector>
@@ -9,36 +8,34 @@
 
 namespace simuli::bench {
 
-// What is where across the street, m from its middle. Nothing higher than paint stands within 3.4 m: there
-// the rig drives, in its lane and beside it.
-inline constexpr double kKerbBack_m = 5.75;       // kerb stones end
-inline constexpr double kRampBack_m = 6.15;       // lowered pavement ends
-inline constexpr double kCrossingFirst_m = 36.0;  // x of the zebra crossings, one every kCrossingEvery_m
+// Positions across the street, m from its middle. No object is within 3.4 m, where the rig drives.
+inline constexpr double kKerbBack_m = 5.75;       // end of kerb stones
+inline constexpr double kRampBack_m = 6.15;       // end of lowered pavement
+inline constexpr double kCrossingFirst_m = 36.0;  // x of the first zebra crossing; spacing kCrossingEvery_m
 inline constexpr double kCrossingEvery_m = 80.0;
 inline constexpr double kCrossingLong_m = 3.0;
 
-/// All within radius of the line from centre to centre + axis.
+/// All points within radius of the line from centre to centre + axis.
 StreetShape meet_rod;
-/// What of the box has axis . p <= radius (m, world), axis of length 1.
+/// The part of the box with axis . p <= radius (m, world), for a unit axis.
 StreetShape meet_cut;
-/// Its face towards the ray: no thickness, across x, with axis.x() sides of which each is `radius` from its middle,
-/// one of them below; no sides: round.
+/// A plate across x that faces the ray, without thickness: a regular polygon with axis.x() sides at distance
+/// `radius` from its centre, one of them at the bottom; 0 sides: a disc.
 StreetShape meet_plate;
 
-/// Adds solids on one side of the street. y is counted from the road's middle outwards, so that both sides
-/// are written alike.
+/// Adds solids on one side of the street. y is measured from the road's middle outwards, for both sides.
 class StreetSide {
  public:
   StreetSide(std::vector<StreetSolid>& to, double side, std::uint64_t seed)
       : to_(&to), side_(side), dice_(seed) {}
 
-  /// What the next solids are of.
+  /// Sets the material of the next solids.
   StreetSide& of(StreetMaterial material,
                  const Eigen::Vector3d& tint,
                  double reflectance,
                  std::uint32_t style = 1);
   StreetSolid& box(double x0, double x1, double y0, double y1, double z0, double z1);
-  /// Of which axis . p <= offset is left; axis as counted on this side, of any length.
+  /// Adds the part of a box with axis . p <= offset; axis in the coordinates of this side, of any length.
   StreetSolid& cut(double x0,
                    double x1,
                    double y0,
@@ -77,7 +74,7 @@ class StreetSide {
   std::uint32_t style_ = 1;
 };
 
-/// Stretches along x that are taken already.
+/// Occupied intervals along x.
 class StreetRoom {
  public:
   void take(double from_m, double to_m) { taken_.push_back({from_m, to_m}); }
@@ -87,26 +84,26 @@ class StreetRoom {
   std::vector<Eigen::Vector2d> taken_;
 };
 
-/// What is needed of the plain street to build the detailed one.
+/// Parts of the plain street that the detailed street needs.
 struct StreetPlan {
-  std::vector<StreetSolid> houses;            // of one side
-  std::vector<StreetSolid> trunks;            // of one side
-  std::vector<Eigen::Vector3d> cars;          // where parked cars stand, on one side
-  std::vector<double> ramps;                  // x of the middles of lowered kerbs
-  static constexpr double kRampHalf_m = 1.7;  // half of what is lowered
+  std::vector<StreetSolid> houses;            // on one side
+  std::vector<StreetSolid> trunks;            // on one side
+  std::vector<Eigen::Vector3d> cars;          // positions of parked cars on one side
+  std::vector<double> ramps;                  // x of the centres of lowered kerbs
+  static constexpr double kRampHalf_m = 1.7;  // half length of a lowered kerb
 };
 
 void add_detail_kerbs(StreetSide& to, const StreetPlan& plan);
 void add_detail_tree(StreetSide& to, const StreetSolid& trunk);
-/// A low wall of leaves.
+/// Adds a hedge.
 void add_detail_hedge(StreetSide& to, double x0, double x1, double y0, double y1, double z0, double z1);
-/// A vehicle in the place of a parked car. Low: none is higher than a car.
+/// Adds a vehicle in place of a parked car. Low: not higher than a car.
 void add_detail_vehicle(StreetSide& to, const Eigen::Vector3d& at, bool is_low);
 void add_detail_house(StreetSide& to, StreetSolid& house);
-/// What stands along the pavement's edge.
+/// Adds objects along the pavement's edge.
 void add_detail_furniture(StreetSide& to, const StreetPlan& plan);
 
-/// StreetDetail::surface.
+/// Implements StreetDetail::surface.
 [[nodiscard]] StreetSurface detail_surface(const StreetSolid& solid,
                                            const Eigen::Vector3d& point,
                                            const Eigen::Vector3d& normal,
@@ -126,7 +123,7 @@ void add_detail_furniture(StreetSide& to, const StreetPlan& plan);
                                           const Eigen::Vector3d& normal,
                                           std::uint64_t seed,
                                           double footprint_m);
-/// Of vehicles: bodies, cabins, number plates.
+/// Surface of vehicles: bodies, cabins, number plates.
 [[nodiscard]] StreetSurface detail_vehicle(const StreetSolid& solid,
                                            const Eigen::Vector3d& point,
                                            const Eigen::Vector3d& normal,

@@ -20,18 +20,18 @@ const std::array<Vector3d, 9> kVehicleTints{{{0.70, 0.10, 0.10},
                                              {0.36, 0.30, 0.26},
                                              {0.45, 0.62, 0.74}}};
 
-/// Of a wheel's lower half, in radii: half the width, from height to height.
+/// Lower half of a wheel in radii: half width, lower and upper height of each step.
 constexpr std::array<std::array<double, 3>, 4> kTyreSteps{
     {{0.45, 0.0, 0.12}, {0.70, 0.12, 0.35}, {0.90, 0.35, 0.65}, {1.0, 0.65, 1.2}}};
 
-/// Adds parts whose x is counted from the vehicle's middle forwards.
+/// Adds parts with x measured forwards from the vehicle's centre.
 class VehicleParts {
  public:
   VehicleParts(StreetSide& to, const Vector3d& at, const Vector3d& tint)
       : to_(to),
         x_(at.x()),
         y_(std::abs(at.y())),
-        // On both sides they are parked in the direction of driving.
+        // Cars on both sides are parked in the driving direction.
         forward_(at.y() < 0.0 ? 1.0 : -1.0),
         style_((forward_ > 0.0 ? 1U : 2U) + 4U * (1U + to.variety(60))),
         tint_(tint),
@@ -44,7 +44,7 @@ class VehicleParts {
   void box(StreetMaterial material, double x0, double x1, double half_y, double z0, double z1) {
     box(material, x0, x1, -half_y, half_y, z0, z1);
   }
-  /// Cut off above the line from (xa, za) to (xb, zb), in which x does not fall.
+  /// Adds a box cut off above the line from (xa, za) to (xb, zb) with xa <= xb.
   void cut(StreetMaterial material,
            double x0,
            double x1,
@@ -68,7 +68,7 @@ class VehicleParts {
   void tyres(double front, double rear, double radius, double half_y) {
     for (const double x : {front, rear}) {
       for (const double side : {-1.0, 1.0}) {
-        // Round, but for steps; above, the body has the wheel painted.
+        // Approximates the wheel by steps; its upper part is painted on the body.
         for (const auto& [half, low, high] : kTyreSteps) {
           box(StreetMaterial::kTyre,
               x - half * radius,
@@ -105,7 +105,7 @@ class VehicleParts {
   }
 
  private:
-  /// Its patterns are in the vehicle's frame.
+  /// Sets the frame of the solid's patterns to the vehicle's frame.
   void own(StreetSolid& solid) const { solid.centre = {x_, to_.side() * y_, 0.0}; }
 
   StreetSide& to_;
@@ -124,7 +124,7 @@ void add_passenger_car(StreetSide& to, const Vector3d& at, bool is_estate, bool 
   car.shade(rear, front, half);
   car.box(StreetMaterial::kCarBody, rear, bonnet, half, sill, belt);
   car.cut(StreetMaterial::kCarBody, bonnet, front, half, sill, belt, bonnet, belt, front, 0.72);
-  // The cabin in two halves, each with its sloping window.
+  // The cabin consists of two halves with one sloping window each.
   const double cabin = half - 0.10, foot = bonnet + 0.25, middle = -0.1;
   car.cut(StreetMaterial::kCarCabin, middle, foot, cabin, belt, roof, foot - 0.75, roof, foot, belt);
   const double back = rear + 0.04;
@@ -183,7 +183,7 @@ void add_truck(StreetSide& to, const Vector3d& at) {
 
 void add_detail_vehicle(StreetSide& to, const Vector3d& at, bool is_low) {
   const double kind = to.between(0.0, 1.0);
-  // Their mirrors stay out of the driving lanes.
+  // Keeps mirrors out of the driving lanes.
   const auto at_least = [&](double y) {
     return Vector3d(at.x(), to.side() * std::max(std::abs(at.y()), y), 0.0);
   };

@@ -1,5 +1,5 @@
-// What stands along the pavements' edges of the detailed street, in gaps between parked cars, at crossings,
-// and hangs over the road.
+// Objects of the detailed street along the pavements' edges, in gaps between parked cars, at crossings and
+// above the road.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 constexpr double kFurnitureStart_m = -52.0, kFurnitureEnd_m = Street::kLength_m + 74.0;
 constexpr double kTop_m = kKerbHeight_m;
-constexpr double kEdge_m = 5.90;  // of what stands on the kerb
+constexpr double kEdge_m = 5.90;  // objects on the kerb
 const Vector3d kSteel(0.50, 0.51, 0.52), kDark(0.15, 0.17, 0.17), kGreen(0.16, 0.30, 0.22);
 
 void add_railing(StreetSide& to, double x0, double x1, double y) {
@@ -29,7 +29,7 @@ void add_railing(StreetSide& to, double x0, double x1, double y) {
 void add_sign_post(StreetSide& to, double x, double y) {
   const double high = to.between(2.3, 3.0);
   to.of(StreetMaterial::kMetal, kSteel, 0.45, 1).pole(x, y, kTop_m, kTop_m + high, 0.03);
-  // Its face is towards those who drive on that side.
+  // The front faces the traffic on this side.
   const double face = to.side() < 0.0 ? -0.04 : 0.04;
   constexpr std::array<int, 5> kSides{0, 0, 3, 4, 8};
   double z = kTop_m + high - 0.3;
@@ -96,7 +96,7 @@ void add_shelter(StreetSide& to, double x) {
       .box(x + 2.65, x + 3.85, y1 - 0.02, y1 + 0.02, kTop_m + 0.7, high - 0.35);
 }
 
-/// One thing at x, if there is room for it; how long it is.
+/// Adds one object at x if it fits; returns its length.
 double add_thing(StreetSide& to, double x, const StreetRoom& on_edge, const StreetRoom& behind) {
   const double kind = to.between(0.0, 1.0);
   const auto fits = [&](double length, bool is_deep) {
@@ -169,7 +169,7 @@ double add_thing(StreetSide& to, double x, const StreetRoom& on_edge, const Stre
   return 0.5;
 }
 
-/// The pavement comes out between parked cars where there is room, with plants or bollards on it.
+/// Extends the pavement between parked cars with enough space, with plants or bollards.
 void add_build_outs(StreetSide& to, const StreetPlan& plan) {
   for (std::size_t i = 0; i + 1 < plan.cars.size(); ++i) {
     const double x0 = plan.cars[i].x() + 3.1, x1 = std::min(plan.cars[i + 1].x() - 3.1, x0 + 5.0);
@@ -215,7 +215,7 @@ void add_lights(StreetSide& to, StreetRoom& room) {
 
 void add_detail_furniture(StreetSide& to, const StreetPlan& plan) {
   StreetRoom on_edge, behind;
-  // What stands there in the plain street, too: lamps, signs.
+  // Reserves the space of lamps and signs of the plain street.
   for (double x = -56.0; x < kFurnitureEnd_m; x += 24.0) on_edge.take(x - 0.2, x + 0.2);
   for (double x = 24.0; x < kFurnitureEnd_m; x += 56.0) on_edge.take(x - 0.3, x + 0.3);
   for (const double x : plan.ramps) on_edge.take(x - StreetPlan::kRampHalf_m, x + StreetPlan::kRampHalf_m);
@@ -227,7 +227,7 @@ void add_detail_furniture(StreetSide& to, const StreetPlan& plan) {
   add_build_outs(to, plan);
   if (to.side() < 0.0) return;
   for (double x = -40.0; x < kFurnitureEnd_m;
-       x += to.between(18.0, 34.0)) {  // cables across, some with a lamp
+       x += to.between(18.0, 34.0)) {  // cables across the street, some with a lamp
     to.of(StreetMaterial::kPainted, {0.10, 0.10, 0.11}, 0.2).rod({x, -9.3, 6.7}, {x, 9.3, 6.7}, 0.02);
     if (!to.chance(0.6)) continue;
     to.of(StreetMaterial::kMetal, kSteel, 0.4, 1).box(x - 0.25, x + 0.25, -0.15, 0.15, 6.3, 6.55);

@@ -1,4 +1,4 @@
-// Road and pavement of the detailed street: markings old and new, repairs, cracks, covers; slabs and setts.
+// Road and pavement of the detailed street: old and new markings, repairs, cracks, covers; slabs and setts.
 #include <algorithm>
 #include <cmath>
 
@@ -19,13 +19,13 @@ using street_pattern::patches;
 using street_pattern::scaled;
 using street_pattern::wrap;
 
-/// A line along a noise's zero: 1 on it, 0 farther than half its width.
+/// Returns a line along the zeros of a noise: 1 on the line, 0 farther than half its width.
 double vein(const Vector3d& p, double size_m, double width_m, std::uint64_t seed) {
-  const double slope = 1.6 / size_m;  // of the noise, about
+  const double slope = 1.6 / size_m;  // approximate slope of the noise
   return 1.0 - ease(0.25 * width_m, 0.75 * width_m, std::abs(noise(p / size_m, seed)) / slope);
 }
 
-/// An arrow on the lane, 4.2 m long; a: along, b: to the right of the driver.
+/// Whether (a, b) is on a lane arrow of 4.2 m; a: along the lane, b: to the driver's right.
 bool is_arrow(double a, double b, bool turns) {
   if (a < 0.0 || a > 4.2) return false;
   if (!turns) return a < 2.6 ? std::abs(b) < 0.09 : std::abs(b) < 0.42 * (4.2 - a) / 1.6;
@@ -34,9 +34,9 @@ bool is_arrow(double a, double b, bool turns) {
   return b >= 0.55 && b < 1.1 && std::abs(a - 2.22) < 1.2 * (1.1 - b);
 }
 
-/// A bicycle seen from its side; wheels are drawn out along the road.
+/// Whether (a, b) is on a bicycle symbol, stretched along the road.
 bool is_bicycle(double a, double b) {
-  const double long_a = a / 1.7;  // its height lies along the road
+  const double long_a = a / 1.7;  // the height of the symbol is along the road
   const auto ring = [&](double middle) {
     const double r = std::hypot(long_a - 0.30, b - middle);
     return r > 0.19 && r < 0.27;
@@ -51,31 +51,32 @@ bool is_bicycle(double a, double b) {
          bar(0.68, 0.24, 0.86, 0.2) || bar(0.82, -0.16, 0.82, -0.02);
 }
 
-/// What is painted on the road beside the plain street's lines.
+/// Whether (x, y) is on a marking.
 bool is_paint(double x, double y) {
   if (street_lane_marking(x, y)) return true;
   const double side = std::abs(y), drives = y < 0.0 ? 1.0 : -1.0;
   const double past = wrap(drives * x, 1e6);
-  const double right = 1.75 - side;  // of the lane's middle, towards the road's middle: the driver's left
+  // offset from the lane's middle towards the road's middle, the driver's left
+  const double right = 1.75 - side;
   // Stop lines before the crossings.
   const double from_crossing = wrap(x - kCrossingFirst_m, kCrossingEvery_m);
   const bool is_stop = y < 0.0
                            ? from_crossing > kCrossingEvery_m - 2.4 && from_crossing < kCrossingEvery_m - 2.0
                            : from_crossing > kCrossingLong_m + 2.0 && from_crossing < kCrossingLong_m + 2.4;
   if (is_stop && side > 0.15 && side < 3.4) return true;
-  // Arrows, and the speed that is allowed, each every 40 m.
+  // Arrows and the speed limit, every 40 m each.
   const double along = wrap(past - 9.0, 40.0);
   const auto lap = cell(past - 9.0, 40.0);
   if (side < 3.2 && is_arrow(along, -right, lap % 3 == 1)) return true;
   const double text = wrap(past - 19.0, 40.0);
   if (text < 2.4 && std::abs(right) < 0.5 && ink("30", (-right + 0.5) / 0.5, text / 2.4)) return true;
-  // A lane for bicycles at the right, with a broken line.
+  // A bicycle lane at the right with a dashed line.
   if (wrap(past + 12.0, 120.0) < 84.0) {
     if (std::abs(side - 2.55) < 0.05) return wrap(x, 2.0) < 1.0;
     if (side > 2.6 && side < 3.45 && is_bicycle(wrap(past - 4.0, 16.0) - 0.2, side - 3.03)) return true;
   }
   if (side > 3.6 && side < 5.15) {
-    // No parking before the crossings: a hatched field.
+    // A hatched no-parking area before the crossings.
     const double hatched = wrap(drives * (x - kCrossingFirst_m - 1.5) + 8.0, kCrossingEvery_m);
     if (hatched < 5.5) {
       return wrap(x + y, 1.2) < 0.22 || hatched < 0.12 || hatched > 5.38 || side < 3.72 || side > 5.03;
@@ -89,7 +90,8 @@ bool is_paint(double x, double y) {
   return false;
 }
 
-/// Repairs: rectangles of other asphalt with a seam of tar, and trenches across. Sets how bright they are.
+/// Returns the brightness of repairs: rectangles of other asphalt with a tar seam, and trenches across the
+/// road.
 double repaired(const Vector3d& p, std::uint64_t seed, double footprint_m, double& seam) {
   double tone = 1.0;
   const auto i = cell(p.x(), 7.0), j = cell(p.y(), 1.9);
@@ -111,7 +113,7 @@ double repaired(const Vector3d& p, std::uint64_t seed, double footprint_m, doubl
   return tone;
 }
 
-/// Iron covers in the lanes: 1 on their rims, 2 within; 0: none.
+/// Returns 1 on the rim and 2 inside of an iron cover in a lane; 0: no cover.
 int cover_at(double x, double y, double radius, double every, std::uint64_t seed) {
   const auto i = cell(x, every);
   const auto side = y > 0.0 ? 1 : 0;
@@ -124,7 +126,7 @@ int cover_at(double x, double y, double radius, double every, std::uint64_t seed
 
 StreetSurface detail_road(const StreetSolid& s, const Vector3d& p, std::uint64_t seed, double footprint_m) {
   const double side = std::abs(p.y());
-  if (side > 5.2 && side < kKerbBack_m) {  // the gutter, two rows of stones, and grates in it
+  if (side > 5.2 && side < kKerbBack_m) {  // the gutter: two rows of stones with grates
     const double grate = std::abs(wrap(p.x() - 3.0, 12.5) - 1.0);
     if (grate < 0.26 && side < 5.48) {
       const double bars = 0.5 + 0.5 * std::cos(2.0 * 3.14159265358979 * p.x() / 0.13);
@@ -136,7 +138,7 @@ StreetSurface detail_road(const StreetSolid& s, const Vector3d& p, std::uint64_t
     const double sharp = fine(0.15, footprint_m);
     return scaled({0.50, 0.49, 0.47}, 0.28, 1.0 + 0.4 * sharp * (stone - 0.5) + 0.5 * sharp * (joint - 0.96));
   }
-  // Wheel tracks are a little darker than the crown of the lane, parking lanes are stained.
+  // Wheel tracks are slightly darker than the middle of the lane; parking lanes have stains.
   const double track = std::cos(2.0 * 3.14159265358979 * (side - 1.75) / 1.6);
   double tone = 1.0 + 0.16 * patches(p, 2.4, seed) + (side < 3.5 ? 0.07 * track : 0.0);
   const double grain =
@@ -162,7 +164,7 @@ StreetSurface detail_road(const StreetSolid& s, const Vector3d& p, std::uint64_t
   const bool is_red = wrap((p.y() < 0.0 ? p.x() : -p.x()) - 44.0, 80.0) < 16.0 && side > 2.6 && side < 3.44;
   if (is_red) surface = scaled({0.50, 0.24, 0.20}, 0.2, tone * (1.0 - 0.3 * dark));
   if (is_paint(p.x(), p.y())) {
-    // Worn where wheels go, and gone in spots.
+    // Worn in wheel tracks and in spots.
     const double wear = noise(p / 0.35, seed + 19) + 0.8 * noise(p / 1.7, seed + 20) + 0.25 * track;
     const double left = (1.0 - 0.75 * ease(0.15, 0.85, wear)) * (1.0 - 0.6 * crack);
     const StreetSurface paint = scaled({0.86, 0.86, 0.83}, 0.75, 1.0 + 0.08 * patches(p, 1.5, seed));
@@ -194,7 +196,7 @@ StreetSurface detail_pavement(
         {0.30, 0.40, 0.20}, 0.35, 1.0 + 0.2 * patches(p, 1.2, seed) + 0.12 * noise(p / 0.2, seed + 43));
   }
   const double sharp = fine(0.12, footprint_m);
-  if (side < 6.75 || side > 8.6) {  // small stones in rows beside the slabs
+  if (side < 6.75 || side > 8.6) {  // rows of small stones beside the slabs
     const double shift = 0.1 * static_cast<double>(cell(side, 0.2) % 2);
     const double stone = hash(cell(p.x() + shift, 0.2), cell(side, 0.2), which, seed + 44);
     const double edge = std::min(

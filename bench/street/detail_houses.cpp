@@ -1,5 +1,4 @@
-// What gives the detailed street's houses depth: sills, shutters, balconies, bay windows, shops, pipes,
-// roofs.
+// Relief of the detailed street's houses: sills, shutters, balconies, bay windows, shops, pipes, roofs.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,7 +24,7 @@ const std::array<Vector3d, 6> kShopTints{{{0.16, 0.34, 0.24},
 struct House {
   double x0, x1, front, height;
   StreetBays bays;
-  int storeys;  // with windows
+  int storeys;  // storeys with windows
   [[nodiscard]] double middle(int column) const { return x0 + (column + 0.5) * bays.width; }
   [[nodiscard]] int door() const { return bays.count / 2; }
 };
@@ -117,7 +116,7 @@ void add_windows(StreetSide& to, const House& h, bool is_shop) {
                  floor + kWindowFoot_m,
                  floor + kWindowTop_m);
         }
-      } else if (storey >= 1 && to.chance(0.12)) {  // what cools a room
+      } else if (storey >= 1 && to.chance(0.12)) {  // an air conditioner
         to.of(StreetMaterial::kSlatted, {0.78, 0.78, 0.76}, 0.4)
             .box(x + 0.75, x + 1.15, h.front - 0.32, h.front, floor + 0.5, floor + 1.0);
       }
@@ -137,7 +136,7 @@ void add_shop(StreetSide& to, const House& h) {
     to.of(StreetMaterial::kStriped, stripe, 0.4, 2)
         .cut(x - half, x + half, out, h.front, 2.22, 2.72, {0.0, -0.32, 1.15}, {x, h.front, 2.72});
   }
-  if (to.chance(0.6)) {  // a sign across the pavement, and what holds it
+  if (to.chance(0.6)) {  // a sign across the pavement with its bracket
     const double x = to.chance(0.5) ? h.x0 + 0.5 : h.x1 - 0.5;
     to.of(StreetMaterial::kLettering, to.dice().pick(kShopTints), 0.5, 1 + to.variety(64))
         .box(x - 0.05, x + 0.05, h.front - 1.0, h.front - 0.2, 3.45, 4.15);
@@ -221,7 +220,7 @@ void add_detail_house(StreetSide& to, StreetSolid& house) {
     }
     add_front_garden(to, h);
   }
-  // Courses of stone between storeys, the gutter, and the pipe down from it.
+  // String courses between storeys, the gutter, and the downpipe.
   to.of(StreetMaterial::kStone, kTrim, 0.45);
   for (int storey = 1; storey <= h.storeys; ++storey) {
     const double z = kStorey_m * storey;

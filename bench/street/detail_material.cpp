@@ -1,4 +1,4 @@
-// What the detailed street's furniture, leaves and vehicles look like.
+// Surfaces of the detailed street's furniture, leaves and vehicles.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,7 +27,7 @@ constexpr std::array<std::string_view, 12> kWords{
 
 constexpr double kTwoPi = 2.0 * 3.14159265358979;
 
-/// u in [0, 1) as one reads it on a face: to the right of who looks at it.
+/// Returns the reading position in [0, 1) on a face, to the right of a viewer.
 double read_along(const StreetSolid& s, const Vector3d& p, const Vector3d& normal) {
   if (std::abs(normal.y()) > 0.5) {
     const double u = (p.x() - s.low.x()) / (s.high.x() - s.low.x());
@@ -66,7 +66,7 @@ StreetSurface poster(const StreetSolid& s, const Vector3d& p, const Vector3d& no
     wide = std::abs(normal.y()) > 0.5 ? s.high.x() - s.low.x() : s.high.y() - s.low.y();
     u = read_along(s, p, normal);
   }
-  // Sheets of about 0.6 m x 0.9 m within a frame.
+  // Sheets of about 0.6 m x 0.9 m in a frame.
   const double columns = std::max(1.0, std::floor(wide / 0.55)),
                rows = std::max(1.0, std::floor(tall / 0.85));
   const double a = wrap(u * columns, 1.0), b = wrap(v * rows, 1.0);
@@ -83,9 +83,9 @@ StreetSurface poster(const StreetSolid& s, const Vector3d& p, const Vector3d& no
   return scaled(paper, 0.5, 1.0 + 0.15 * noise({3.0 * a, 3.0 * b, dice(9) * 50.0}, seed));
 }
 
-/// A road sign's plate; which by how many sides it has.
+/// Returns the surface of a road sign, whose kind follows from its number of sides.
 StreetSurface plate(const StreetSolid& s, const Vector3d& p, const Vector3d& normal) {
-  const double face = s.tint.x();  // the sign of the normal that its face has
+  const double face = s.tint.x();  // sign of the face's normal
   if (normal.x() * face < 0.0) return scaled({0.55, 0.56, 0.57}, 0.4, 1.0);
   const double a = (p.y() - s.centre.y()) * (face < 0.0 ? -1.0 : 1.0) / s.radius,
                b = (p.z() - s.centre.z()) / s.radius;
@@ -94,7 +94,7 @@ StreetSurface plate(const StreetSolid& s, const Vector3d& p, const Vector3d& nor
       dark(0.08, 0.08, 0.09);
   const auto colour = [&]() -> Vector3d {
     const std::uint32_t kind = (s.style - 1) % 8;
-    if (kind == 0) {  // a limit
+    if (kind == 0) {  // speed limit
       if (r > 0.76) return red;
       return ink("50", (a + 0.62) / 0.62, (b + 0.45) / 0.9) ? dark : white;
     }
@@ -102,7 +102,7 @@ StreetSurface plate(const StreetSolid& s, const Vector3d& p, const Vector3d& nor
       if (r > 0.80 || std::abs(a - b) < 0.2) return red;
       return blue;
     }
-    if (kind == 2) {  // a warning
+    if (kind == 2) {  // warning
       const double out = std::max({-b, 0.5 * b + 0.866 * a, 0.5 * b - 0.866 * a});
       if (out > 0.66) return red;
       return std::abs(a) < 0.14 && b > -0.35 && b < 0.9 && std::abs(b + 0.1) > 0.1 ? dark : white;
@@ -131,7 +131,7 @@ StreetSurface signal(const StreetSolid& s, const Vector3d& p, const Vector3d& no
 
 StreetSurface striped(const StreetSolid& s, const Vector3d& p) {
   const double up = p.z() - s.low.z();
-  if (s.style == 2) {  // an awning, in stripes down
+  if (s.style == 2) {  // an awning with vertical stripes
     return wrap(p.x(), 0.5) < 0.25 ? scaled(s.tint, 0.4, 1.0) : scaled({0.88, 0.86, 0.80}, 0.5, 1.0);
   }
   if (s.style == 3)
@@ -145,7 +145,7 @@ StreetSurface slatted(const StreetSolid& s, const Vector3d& p, double footprint_
   return scaled(s.tint, s.reflectance, 1.0 + 0.3 * fine(0.05, footprint_m) * std::sin(kTwoPi * at / 0.1));
 }
 
-/// A window that stands out of a wall or a roof.
+/// Returns the surface of a bay window or dormer.
 StreetSurface bay_window(const StreetSolid& s, const Vector3d& p, const Vector3d& normal) {
   if (std::abs(normal.z()) > 0.5) return scaled({0.45, 0.46, 0.48}, 0.35, 1.0);
   const bool faces_street = std::abs(normal.y()) > 0.5;
@@ -173,7 +173,7 @@ StreetSurface roof(
 
 StreetSurface leaves(
     const StreetSolid& s, const Vector3d& p, const Vector3d& normal, std::uint64_t seed, double footprint_m) {
-  // Leaves below and within a clump are in the shade of those above.
+  // Lower and inner leaves of a clump are in the shade of upper ones.
   const double depth = 0.75 + 0.3 * normal.z();
   const double texture =
       0.35 * fine(0.09, footprint_m) * noise(p / 0.09, seed + 91) + 0.15 * noise(p / 0.3, seed + 92);
@@ -184,7 +184,7 @@ StreetSurface leaves(
 
 StreetSurface detail_vehicle(
     const StreetSolid& s, const Vector3d& p, const Vector3d& normal, std::uint64_t seed, double footprint_m) {
-  // In the vehicle's frame: x ahead.
+  // In the vehicle's frame, x forward.
   const double forward = (s.style & 2U) != 0 ? -1.0 : 1.0;
   const auto own = static_cast<std::int64_t>(s.style);
   Vector3d q = p - s.centre, n = normal;
@@ -210,7 +210,7 @@ StreetSurface detail_vehicle(
       return scaled({0.9, 0.9, 0.88}, 0.95, is_dark ? 0.15 : 1.0);
     }
     case StreetMaterial::kVan: {
-      // Sides carry a name and a stripe, the rear has two doors.
+      // The sides have a name and a stripe, the rear two doors.
       const double wide = s.high.x() - s.low.x(), tall = s.high.z() - s.low.z(),
                    v = (p.z() - s.low.z()) / tall;
       if (std::abs(n.y()) > 0.5) {

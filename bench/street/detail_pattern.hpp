@@ -1,5 +1,5 @@
 #pragma once
-// What the patterns of the detailed street are made of, beside those of the plain one.
+// Building blocks of the detailed street's patterns.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,25 +10,24 @@
 
 namespace simuli::street_pattern {
 
-/// From 0 at `low` to 1 at `high`, smooth.
+/// Returns a smooth step from 0 at `low` to 1 at `high`.
 inline double ease(double low, double high, double x) {
   const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
 }
 
-/// How much of the contrast of a pattern whose parts are size_m wide is left in pixels of footprint_m: all
-/// where parts are larger than pixels, none where they are half as large. What pixels can't tell apart they
-/// show as its mean.
+/// Returns the remaining contrast of a pattern with parts of size_m in pixels of footprint_m: 1 for parts
+/// larger than pixels, 0 for parts of half the size. Unresolved patterns show their mean.
 inline double fine(double size_m, double footprint_m) {
   return footprint_m <= 0.0 ? 1.0 : std::clamp(2.0 * size_m / footprint_m - 1.0, 0.0, 1.0);
 }
 
-/// Whether there is ink at (u, v) of a text: u in letters from its left end, v in [0, 1) from below. Letters
-/// are 3 x 5 dots, with one free dot between them.
+/// Whether (u, v) is on a letter of the text: u in letters from the left end, v in [0, 1) from below. Letters
+/// have 3 x 5 dots and a gap of one dot.
 inline bool ink(std::string_view text, double u, double v) {
   struct Letter {
     char name;
-    std::uint16_t rows;  // 5 x 3 bits, the top left first
+    std::uint16_t rows;  // 5 x 3 bits, top left first
   };
   static constexpr std::array<Letter, 26> kLetters{
       {{'A', 025755}, {'B', 065656}, {'C', 034443}, {'E', 074647}, {'H', 055755}, {'I', 022222},

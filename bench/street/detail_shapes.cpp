@@ -1,4 +1,4 @@
-// The shapes that a detailed street has beside the plain one's.
+// Additional shapes of the detailed street.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -29,7 +29,7 @@ bool meet_rod(const StreetSolid& solid,
   if (speed2 > 0.0) {
     const double closest = -off.dot(across) / speed2;
     const double discriminant = radius2 - (off + closest * across).squaredNorm();
-    if (!(discriminant > 0.0)) return false;  // its ends are no thicker
+    if (!(discriminant > 0.0)) return false;  // the ends are flat
     const double range = closest - std::sqrt(discriminant / speed2), place = at + range * along;
     if (place >= 0.0 && place <= 1.0) take(range, place);
   }
@@ -52,7 +52,7 @@ bool meet_cut(const StreetSolid& solid,
   StreetCrossing whole{nearest.range, Vector3d::Zero()};
   const bool meets_box = meet_box(solid, origin, direction, inverse, whole);
   const double plane = climb == 0.0 ? 0.0 : -above_m / climb;
-  if (above_m < 0.0) {  // it leaves what is left at the plane, if ever
+  if (above_m < 0.0) {  // a ray from inside the removed part enters at the plane, if at all
     if (!meets_box || (climb > 0.0 && whole.range >= plane)) return false;
     nearest = whole;
     return true;

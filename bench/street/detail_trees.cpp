@@ -1,4 +1,4 @@
-// Trees and hedges of the detailed street: leaves in many small clumps, with sky and walls between them.
+// Trees and hedges of the detailed street: many small clumps of leaves with gaps.
 #include <cmath>
 #include <numbers>
 
@@ -11,7 +11,7 @@ using Eigen::Vector3d;
 
 constexpr double kLeafReflectance = 0.45;
 
-/// Leaves of one tree differ a little from clump to clump.
+/// Varies the colour of a tree's clumps.
 Vector3d leaf_tint(StreetSide& to, const Vector3d& tint) {
   return tint * to.between(0.6, 1.4) + Vector3d(to.between(-0.03, 0.05), to.between(-0.03, 0.03), 0.0);
 }
@@ -28,7 +28,7 @@ void add_detail_tree(StreetSide& to, const StreetSolid& trunk) {
   const double turn = to.between(0.0, 2.0 * std::numbers::pi);
   for (int i = 0; i < boughs; ++i) {
     const double angle = turn + 2.0 * std::numbers::pi * i / boughs + to.between(-0.3, 0.3);
-    const double share = (i + 0.5) / boughs;  // of the crown's height: a spiral up the trunk
+    const double share = (i + 0.5) / boughs;  // share of the crown's height: a spiral up the trunk
     const double out = reach * std::sin(std::numbers::pi * (0.25 + 0.6 * share)) * to.between(0.7, 1.0);
     const Vector3d from(x, y, top - 0.45 + 0.5 * share);
     const Vector3d end(x + out * std::cos(angle), y + out * std::sin(angle), top + tall * share);
@@ -49,7 +49,7 @@ void add_detail_tree(StreetSide& to, const StreetSolid& trunk) {
       }
     }
   }
-  // Bare earth in a frame around the trunk, and a guard of thin bars around some.
+  // A square of bare earth around the trunk, and a guard of thin bars for some trees.
   constexpr double kHalf_m = 0.55;
   to.of(StreetMaterial::kShade, {0.26, 0.21, 0.16}, 0.2, 2)
       .box(x - kHalf_m, x + kHalf_m, y - 0.4, y + kHalf_m, 0.0, kKerbHeight_m + 0.01);

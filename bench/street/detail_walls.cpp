@@ -1,4 +1,4 @@
-// Walls of the detailed street: brick, stone, render and boards; windows with what is behind them, shops.
+// Walls of the detailed street: brick, stone, render and boards; windows with interiors; shops.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,7 +20,7 @@ using street_pattern::patches;
 using street_pattern::scaled;
 using street_pattern::wrap;
 
-/// Stones of size a x b in rows, each row half a stone farther; u along the wall.
+/// Returns a pattern of stones of size a x b in rows, each offset by half a stone; u along the wall.
 double masonry(
     double u, double z, double a, double b, double contrast, std::uint64_t seed, double footprint_m) {
   const auto row = cell(z, b);
@@ -29,7 +29,7 @@ double masonry(
   const double at_u = wrap(shifted, a), at_z = wrap(z, b);
   const double edge = std::min({at_u, a - at_u, at_z, b - at_z});
   const double joint_m = 0.25 * b;
-  // The share of joints of all the wall is taken off: far walls are as bright as near ones.
+  // Subtracts the mean of the joints, so that far and near walls are equally bright.
   const double joint = 1.0 - ease(0.0, joint_m, edge) - joint_m * (1.0 / a + 1.0 / b);
   return fine(b, footprint_m) * (contrast * stone + 0.18 * joint);
 }
@@ -38,11 +38,11 @@ double wall_at(const StreetSolid& s, double u, const Vector3d& p, std::uint64_t 
   constexpr std::uint32_t kBits = 8;
   const std::uint32_t kind = (s.style - 1) % kBits;
   double tone = 1.0 + 0.12 * patches(p, 2.5, seed) + 0.06 * noise(p / 0.5, seed + 51);
-  // Rain runs down, dust rises from the ground.
+  // Streaks of rain, and dust near the ground.
   const Vector3d drawn(p.x() / 0.35, p.y() / 0.35, p.z() / 2.6);
   tone -= 0.16 * ease(0.1, 0.8, noise(drawn, seed + 52)) + 0.15 * (1.0 - ease(0.2, 1.6, p.z()));
   switch (kind) {
-    case 0:  // render, with spots where it came off
+    case 0:  // render with damaged spots
       if (noise(p / 0.9, seed + 53) > 0.62)
         tone *= 0.82 + masonry(u, p.z(), 0.25, 0.083, 0.3, seed, footprint_m);
       return tone + 0.04 * fine(0.12, footprint_m) * noise(p / 0.12, seed + 54);
@@ -50,7 +50,7 @@ double wall_at(const StreetSolid& s, double u, const Vector3d& p, std::uint64_t 
       return tone * (1.0 + masonry(u, p.z(), 0.25, 0.083, 0.55, seed, footprint_m));
     case 2:
       return tone * (1.0 + masonry(u, p.z(), 0.8, 0.4, 0.22, seed, footprint_m));
-    case 3:  // brick with lighter training_runs
+    case 3:  // brick with lighter courses
       return tone *
              (wrap(p.z(), 1.0) < 0.17 ? 1.25 : 1.0 + masonry(u, p.z(), 0.24, 0.1, 0.45, seed, footprint_m));
     default: {  // boards
@@ -60,7 +60,7 @@ double wall_at(const StreetSolid& s, double u, const Vector3d& p, std::uint64_t 
   }
 }
 
-/// What is behind a window, from its middle and foot, m. Panes send nothing back to a LiDAR.
+/// Returns the view through a window, relative to its middle and foot, m. Panes have no LiDAR return.
 StreetSurface window(double across, double up, double tall, double lit, double kind, double footprint_m) {
   const double to_frame = std::abs(across);
   constexpr double kHalf_m = 0.58;
@@ -68,19 +68,19 @@ StreetSurface window(double across, double up, double tall, double lit, double k
                         std::abs(up - 0.68 * tall) < 0.025;
   if (is_frame) return scaled({0.88, 0.87, 0.84}, 0.55, 1.0);
   StreetSurface pane = glass(0.5 + 0.5 * lit + 0.25 * up);
-  const double shade = 0.55 + 0.45 * ease(0.0, 0.3, tall - up);  // of the lintel
-  if (kind < 0.35) {                                             // curtains in folds at both sides
+  const double shade = 0.55 + 0.45 * ease(0.0, 0.3, tall - up);  // shade of the lintel
+  if (kind < 0.35) {                                             // curtains with folds at both sides
     const double open = 0.12 + 0.3 * lit;
     if (to_frame > open) {
       const double folds = std::sin(2.0 * 3.14159265358979 * across / 0.13);
       pane.albedo = Vector3d(0.66, 0.62, 0.52) * (0.85 + 0.18 * fine(0.06, footprint_m) * folds);
     }
-  } else if (kind < 0.55) {  // a blind, let down some way
+  } else if (kind < 0.55) {  // a partly lowered blind
     if (tall - up < 0.3 + 1.0 * lit) {
       const double slats = std::sin(2.0 * 3.14159265358979 * up / 0.1);
       pane.albedo = Vector3d(0.60, 0.58, 0.55) * (0.9 + 0.2 * fine(0.05, footprint_m) * slats);
     }
-  } else if (kind < 0.65) {  // things on the sill
+  } else if (kind < 0.65) {  // objects on the sill
     const double thing = hash(cell(across + 5.0, 0.17), 0, 0, static_cast<std::uint64_t>(1e6 * lit));
     if (up < 0.1 + 0.4 * thing && thing > 0.35) pane.albedo = Vector3d(0.30, 0.34 + 0.2 * thing, 0.22);
   }
@@ -88,7 +88,7 @@ StreetSurface window(double across, double up, double tall, double lit, double k
   return pane;
 }
 
-/// A shop's ground floor: large panes with goods behind, or a shutter let down.
+/// Returns a shop's ground floor: large panes with goods behind, or a closed shutter.
 StreetSurface shop_front(const StreetSolid& s,
                          std::int64_t column,
                          double across,
@@ -124,13 +124,13 @@ StreetSurface shop_front(const StreetSolid& s,
     pane.albedo = {0.55, 0.50, 0.42};
   } else if (up < 1.75 && thing > 0.25 && shelf < 0.12 + 0.24 * thing) {
     const double hue = hash(item, row, column, own + 63);
-    // Goods of one shop have colours in common.
+    // Goods of one shop have similar colours.
     const Vector3d brand(0.2 + 0.7 * hash(static_cast<std::int64_t>(own % 97), 1, 0, seed),
                          0.2 + 0.6 * hash(static_cast<std::int64_t>(own % 97), 2, 0, seed),
                          0.2 + 0.5 * hash(static_cast<std::int64_t>(own % 97), 3, 0, seed));
     pane.albedo = 0.6 * brand + 0.4 * Vector3d(0.15 + 0.7 * hue, 0.15 + 0.7 * thing, 0.85 - 0.7 * hue);
   } else if (up > 1.2) {
-    pane.albedo += 0.25 * Vector3d(1.0, 0.9, 0.65) * ease(1.2, 2.4, up);  // lit within
+    pane.albedo += 0.25 * Vector3d(1.0, 0.9, 0.65) * ease(1.2, 2.4, up);  // interior light
   }
   return pane;
 }
@@ -161,7 +161,7 @@ StreetSurface detail_facade(
   const double storey = std::floor(p.z() / 3.0), up = p.z() - 3.0 * storey;
   if (!faces_street || 3.0 * (storey + 1.0) > height - 0.4) return bare;
   const double lit = hash(column, static_cast<std::int64_t>(storey), own, seed);
-  if (storey == 0.0 && column == bays / 2) {  // a door of painted wood, panelled, with a light above
+  if (storey == 0.0 && column == bays / 2) {  // a wooden panelled door with a window above
     const double out = std::abs(from_middle);
     if (out > 0.62 || up > 2.42) return bare;
     if (out > 0.54 || up > 2.34) return scaled({0.82, 0.80, 0.76}, 0.5, 1.0);
@@ -178,7 +178,7 @@ StreetSurface detail_facade(
                   hash(column, static_cast<std::int64_t>(storey), own, seed + 9),
                   footprint_m);
   }
-  // Bills on the piers, and the number beside the door.
+  // Posters on the piers, and the house number at the door.
   const double pier = std::abs(from_middle) - 0.5 * bay;
   if (storey == 0.0 && pier > -0.30 && up > 1.0 && up < 1.85) {
     const auto at = cell(u + 0.5 * bay, bay);

@@ -1,12 +1,12 @@
 #pragma once
-// A street with the fine and thin things that the plain one lacks.
+// A street with fine and thin objects that the plain street lacks.
 #include "io/synth/street_world.hpp"
 
 namespace simuli::bench {
 
-/// Trees of leaves and branches, kerbs that are lowered, poles, railings and bins, vehicles of several kinds,
-/// worn markings, houses with balconies, shops and finer textures, with random numbers of its own: houses,
-/// lamps, trunks and places of parked cars stay as they are in the plain street.
+/// Returns the details: trees of leaves and branches, lowered kerbs, poles, railings and bins, several kinds
+/// of vehicles, worn markings, houses with balconies, shops and finer textures. Their random numbers are
+/// separate: houses, lamps, trunks and positions of parked cars equal the plain street's.
 [[nodiscard]] const StreetDetail& detailed_street();
 
 }  // namespace simuli::bench

@@ -13,7 +13,7 @@
 namespace simuli::bench {
 namespace {
 
-/// One frame, ready to be rendered again and again.
+/// A frame for repeated renders.
 struct Setup {
   Scene scene;
   bool is_camera = true;
@@ -79,7 +79,7 @@ std::vector<Part> all_parts(std::int64_t count) {
   }
   {
     Part& p = add("actors", camera);
-    // 2 m/s at the time of the frame, which takes 0.1 s.
+    // The actor moves 2 m/s during a frame of 0.1 s.
     KeyPose start, end;
     end.time_s = 0.1;
     end.world_from_actor.translation.x() += 0.2;

@@ -1,6 +1,6 @@
 #pragma once
-// "Model only what the scene requires": what each optional part of a frame costs present, absent, and never
-// mentioned.
+// "Model only what the scene requires": costs of each optional part of a frame if present, absent, or never
+// configured.
 #include <string>
 #include <vector>
 
@@ -11,12 +11,12 @@ namespace simuli::bench {
 
 struct PlanOptions {
   std::int64_t particles = 200'000;
-  int repeats = 21;  // frames of each, taken in turns
+  int repeats = 21;  // frames per variant, in turns
 };
 
-/// The bench street in three ways for each part: with it; without it, but said so (poses that don't differ,
-/// an actor without particles, an empty environment, no grids, bands left out, a beam of no width); and as if
-/// there were no such thing. Rows
+/// Renders the bench street in three variants for each part: present; absent but configured (equal poses, an
+/// actor without particles, an empty environment, no grids, empty bands, a beam without width); and never
+/// configured. Rows:
 ///   plan/<part>/<present|absent|never>/frame       ms, median
 ///   plan/<part>/<present|absent>/over_never        ratio of frames taken in turns
 ///   plan/<part>/<present|absent|never>/memory      MB of device buffers

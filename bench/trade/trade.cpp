@@ -21,13 +21,13 @@ struct Candidate {
   bool is_quality = false;
 };
 
-/// Every option alone.
+/// Returns candidates with one changed option each.
 std::vector<Candidate> single_options(bool moves) {
   std::vector<Candidate> all;
   const auto add = [&all](const std::string& key, const std::vector<std::string>& values) {
     for (const std::string& value : values) {
       RenderOptions o;
-      // Else these have no effect.
+      // Without these options the values have no effect.
       if (key == "projection") o.extent = Extent::kUnscented;
       if (key == "window") o.order = Order::kWindow;
       fields_of(o).apply({fmt::format("render.{}={}", key, value)});
@@ -49,7 +49,7 @@ std::vector<Candidate> single_options(bool moves) {
   return all;
 }
 
-/// Those, or what was asked for instead, then the qualities.
+/// Returns the given options or all single options, then the qualities.
 std::vector<Candidate> candidates(const TradeOptions& options, bool moves) {
   std::vector<Candidate> all;
   if (options.own_name.empty()) {
@@ -63,7 +63,7 @@ std::vector<Candidate> candidates(const TradeOptions& options, bool moves) {
   return all;
 }
 
-/// One way to render a sensor's views, with all that it needs on the device.
+/// One set of options for a sensor's views, with its device data.
 class Way {
  public:
   Way(const Device& device, const TradeScene& scene, const TradeSensor& sensor, const RenderOptions& options)
@@ -73,7 +73,7 @@ class Way {
     return scene_.render(sensor_.views[view].sensor, sensor_.views[view].shot);
   }
   RayResults results(std::size_t view) { return render(view).results(); }
-  /// Adds up device times by stage.
+  /// Returns the frame time and adds device times by stage.
   double frame_ms(std::size_t view, std::map<std::string, double>& stage_ms) {
     Profile& profile = scene_.device().profile();
     profile.reset();
@@ -139,9 +139,9 @@ void compare_sweeps(const std::vector<RayResults>& found,
   point.p99_m = at(0.99);
 }
 
-/// Frame times of one candidate and of balanced in turns.
+/// Times a candidate and balanced in turns.
 void time_both(Way& way, Way& balanced, std::size_t views, int repeats, TradePoint& point) {
-  constexpr double kEnough_ms = 2000.0;  // slow ones are not repeated as often
+  constexpr double kEnough_ms = 2000.0;  // slow candidates are repeated less often
   constexpr int kLeast = 3;
   std::vector<double> ms, ratios;
   std::map<std::string, double> stages, ignored;
@@ -184,7 +184,7 @@ bool moves(const TradeSensor& sensor) {
 }  // namespace
 
 void mark_front(std::vector<TradePoint>& points) {
-  constexpr double kAlike = 1.03;  // times and errors that are not told apart
+  constexpr double kAlike = 1.03;  // ratio up to which times and errors count as equal
   const std::string& reference = quality_names().back();
   for (TradePoint& p : points) {
     p.on_front = std::none_of(points.begin(), points.end(), [&](const TradePoint& q) {

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::int64_t kParticles = 200'000;
 
-/// 15 m/s along the street and 20 degrees/s, for so long.
+/// Returns a motion of 15 m/s along the street and 20 degrees/s for `seconds`.
 Shot driven(const Pose& start, double seconds) {
   Pose end = start;
   end.translation += 15.0 * seconds * Eigen::Vector3d::UnitX();
@@ -31,7 +31,7 @@ Shot driven(const Pose& start, double seconds) {
   return {start, end, 0.0, 0.0};
 }
 
-/// Up to `count` of them, spread evenly.
+/// Returns up to `count` evenly spread elements.
 template <class T>
 std::vector<T> spread_over(const std::vector<T>& all, int count) {
   const std::size_t wanted = std::min(all.size(), static_cast<std::size_t>(count));
@@ -45,7 +45,7 @@ struct Span {
   std::string file;  // of a recorded sweep
 };
 
-/// Frames of a sensor in the log; without a log, at the poses of the scene's path.
+/// Returns the frames of a sensor in the log; without a log, frames at the ego poses of the scene.
 std::vector<Span> spans_of(const Sensor& sensor, const SceneFile& scene, const std::optional<Log>& log) {
   std::vector<Span> spans;
   if (!log) {

@@ -1,5 +1,5 @@
 #pragma once
-// What bench/trade/trade.cpp renders: the bench street in motion, or views of a scene.
+// Views for bench/trade/trade.cpp: the bench street in motion, or views of a scene.
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace simuli::bench {
 
-/// One frame of one sensor; a LiDAR with the rays of that frame.
+/// One frame of a sensor; a LiDAR has the rays of this frame.
 struct TradeView {
   Sensor sensor;
   Shot shot;
@@ -28,10 +28,10 @@ struct TradeScene {
   std::vector<TradeSensor> sensors;
 };
 
-/// The bench street, 200 000 particles a set: a 640 x 360 camera with a read-out of 20 ms and generic64, both
-/// at 15 m/s and 20 degrees/s.
+/// Returns the bench street with 200 000 particles per set: a 640 x 360 camera with a readout of 20 ms and a
+/// generic64, both at 15 m/s and 20 degrees/s.
 [[nodiscard]] TradeScene moving_street();
-/// Views of `folders`, see TradeOptions. Errors of run_trade().
+/// Returns views of `folders` (TradeOptions). Throws the errors of run_trade().
 [[nodiscard]] TradeScene trade_scene(const TradeOptions& options);
 
 }  // namespace simuli::bench

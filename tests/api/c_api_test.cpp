@@ -404,7 +404,7 @@ TEST_F(CApi, SaysWhatIsWrong) {
   at.time_end_s = -1.0;
   expect_error(simuli_render(scene_, "front", &at, nullptr, &frame), SIMULI_USAGE, "end before its start");
   at.time_end_s = std::numeric_limits<double>::quiet_NaN();
-  expect_error(simuli_render(scene_, "front", &at, nullptr, &frame), SIMULI_USAGE, "not finite");
+  expect_error(simuli_render(scene_, "front", &at, nullptr, &frame), SIMULI_USAGE, "non-finite");
   const simuli_frame* picture = render(scene_, "front", shot(scene_, "front"));
   float one = 0.0F;
   expect_error(simuli_frame_values(picture, SIMULI_RGB, &one, 1), SIMULI_USAGE, "found 1, allowed 576");

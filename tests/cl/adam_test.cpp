@@ -1,4 +1,4 @@
-// Adam against the textbook (Kingma and Ba, algorithm 1) in double.
+// Tests Adam against the textbook (Kingma and Ba, algorithm 1) in double.
 #include "host/device/render/train/adam.hpp"
 
 #include <Eigen/Core>
@@ -17,12 +17,12 @@
 namespace simuli {
 namespace {
 
-/// Algorithm 1, one parameter after the other.
+/// Algorithm 1 for one parameter at a time.
 struct Textbook {
   std::vector<double> params, first, second;
   int steps = 0;
 
-  /// The step of parameter i by gradient g, of rate 1.
+  /// Returns the step of parameter i for gradient g and rate 1.
   double step_of(std::size_t i, double g, double epsilon) {
     constexpr double kBeta1 = 0.7, kBeta2 = 0.999;
     first[i] = kBeta1 * first[i] + (1.0 - kBeta1) * g;
@@ -32,7 +32,7 @@ struct Textbook {
     return m / (std::sqrt(v) + epsilon);
   }
 
-  /// Rows one by one from row `from` on.
+  /// Steps parameters by rows, starting with row `from`.
   void step(const std::vector<double>& gradients,
             const AdamRows& rows,
             std::size_t stride,
@@ -47,7 +47,7 @@ struct Textbook {
     }
   }
 
-  /// Of a set: means along their particle's axes, in proportion to its deviation there.
+  /// Steps a set: means along their particle's axes, in proportion to its standard deviations.
   void step_set(const std::vector<double>& gradients, const AdamRows& rows, std::size_t stride) {
     const std::vector<double> before = params;
     step(gradients, rows, stride, kLogScaleRow);
@@ -96,10 +96,10 @@ TEST_P(Adam, FollowsTheTextbookAndRejectsWhatIsNotFinite) {
     rows.epsilon.push_back(row % 3 == 0 ? 0.1 : 1e-15);  // gradients are of 1e-5 to 20
   }
 
-  // These never get a number: NaN and infinities move nothing and leave no trace in the moments.
+  // NaN and infinite gradients move nothing and do not change the moments.
   const std::size_t stride = particles.stride;
   const std::size_t bad[] = {stride * 1 + 3, stride * 5 + 35, stride * 7 + 16};
-  // These are culled in every frame: nothing of them moves, whatever stands in their gradients.
+  // Particles culled in every frame do not move, whatever their gradients contain.
   const std::vector<std::uint32_t> culled = {0, 17, 36};
   std::vector<std::uint32_t> visible(static_cast<std::size_t>(set.size()), 1U);
   for (const std::uint32_t particle : culled) visible[particle] = 0xffffffffU;
@@ -109,7 +109,7 @@ TEST_P(Adam, FollowsTheTextbookAndRejectsWhatIsNotFinite) {
   std::vector<double> g(start.size());
   for (std::uint32_t step = 0; step < kSteps; ++step) {
     for (double& value : g) {
-      // Representable in float: both builds and the textbook get the same numbers.
+      // Representable in float: both builds and the textbook use the same numbers.
       value = static_cast<double>(static_cast<float>(random.normal() * std::exp(random.uniform(-12, 3))));
     }
     g[bad[0]] = std::numeric_limits<double>::quiet_NaN();
@@ -118,13 +118,13 @@ TEST_P(Adam, FollowsTheTextbookAndRejectsWhatIsNotFinite) {
     grads.assign(std::span<const double>(g));
     adam.run(particles, grads, keys, rows);
     for (std::size_t i = 0; i < g.size(); ++i) {
-      // Padding is as good as culled.
+      // Padding is treated as culled.
       if (i % stride >= visible.size() || visible[i % stride] != 1U) g[i] = 0.0;
     }
     expected.step_set(g, rows, stride);
   }
   const std::vector<double> found = particles.params.download_double();
-  // Twenty sums, each rounded against the parameter, and the rounding of the steps themselves.
+  // Twenty sums, each rounded relative to the parameter, and the rounding of the steps.
   const double rounding = 20.0 * (GetParam() == Precision::kDouble ? 1.2e-16 : 6e-8);
   double moved = 0.0;
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -148,7 +148,7 @@ TEST_P(Adam, DenseStepsMoveTheirPartAlone) {
   params.assign(std::span<const double>(start));
   RealBuffer grads(device, "gradients", GetParam(), kPart);
   AdamStage adam(device, GetParam(), start.size());
-  // The last part has three steps of its own, the first one; the middle one none.
+  // The last part has three own steps, the first part one, the middle part none.
   Textbook last{{start.end() - kPart, start.end()}, {}, {}};
   Textbook first{{start.begin(), start.begin() + kPart}, {}, {}};
   const auto step = [&](Textbook& book, std::size_t at, std::uint64_t number) {

@@ -1,4 +1,4 @@
-// Binning: every (tile, particle) pair once, nearest first, and none that a ray needs is missing.
+// Tests binning: each (tile, particle) pair once, nearest first, and no required pair missing.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -23,7 +23,7 @@ using test::SceneCase;
 
 constexpr std::uint32_t kCulled = 0xffffffffU;
 
-/// One pair as the payload has it.
+/// One pair as stored in the payload.
 struct TilePair {
   std::uint32_t particle = 0, first_ray_block = 0, last_ray_block = 0;
 };
@@ -32,8 +32,8 @@ TilePair unpacked(std::uint32_t payload) {
       payload & SIM_PARTICLE_MASK, payload >> SIM_PARTICLE_BITS & 15U, payload >> (SIM_PARTICLE_BITS + 4)};
 }
 
-/// Tile lists by (tile, particle), after the checks that hold for any frame: `first` is monotone and
-/// complete, no pair stands twice, every tile is ordered by range, ties by index.
+/// Returns tile lists by (tile, particle) after general checks: `first` is monotone and complete, no pair is
+/// repeated, each tile is ordered by range, then by index.
 std::map<std::pair<std::uint32_t, std::uint32_t>, TilePair> checked_lists(const shared::FrameParams& frame,
                                                                           const FrameBuffers& buffers) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, TilePair> lists;
@@ -60,7 +60,7 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, TilePair> checked_lists(const 
   return lists;
 }
 
-/// Tile columns, of pictures from a column of blocks of the first to one of the last.
+/// Returns a range of tile columns; for pictures from a block column of the first tile to one of the last.
 std::uint32_t interval(const shared::FrameParams& frame,
                        std::uint32_t first,
                        std::uint32_t count,
@@ -72,7 +72,7 @@ std::uint32_t interval(const shared::FrameParams& frame,
   return SIM_COLUMNS(first * SIM_TILE_BLOCKS + from, (first + count - 1) * SIM_TILE_BLOCKS + to);
 }
 
-/// Random rectangles; a third is culled, some have a second interval of tile columns.
+/// Creates random rectangles; a third is culled, some have a second range of tile columns.
 void random_footprints(const shared::FrameParams& frame,
                        const std::vector<std::uint32_t>& tile_rows,
                        FrameBuffers& buffers,
@@ -104,7 +104,7 @@ void random_footprints(const shared::FrameParams& frame,
   }
   buffers.projected.footprints.assign(std::span<const shared::Footprint>(footprints));
   buffers.projected.keys.assign(std::span<const std::uint32_t>(keys));
-  // Clusters without a visible particle are left out or not, all the same.
+  // With or without omitted clusters that have no visible particle.
   std::vector<std::uint32_t> live((keys.size() + SIM_CLUSTER - 1) / SIM_CLUSTER, seed % 2);
   for (std::size_t i = 0; i < keys.size(); ++i) {
     if (keys[i] != kCulled) live[i / SIM_CLUSTER] = 1;
@@ -235,7 +235,7 @@ INSTANTIATE_TEST_SUITE_P(WorkItems,
                            return std::string(pair.param == 1 ? "cpu" : "gpu");
                          });
 
-/// What the particle takes of the ray's light, boxes apart; nothing from behind the ray's origin.
+/// Returns the alpha of the particle on the ray, without its box; 0 behind the ray's origin.
 double alpha_of(const reference::Footprint& f, const Eigen::Vector3d& mean, const reference::Ray& ray) {
   const Eigen::Matrix3d unit_from_scene =
       f.filtered_scale.cwiseInverse().asDiagonal() * f.scene_from_particle.transpose();
@@ -264,7 +264,7 @@ TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
   const reference::Sensor sensor = shot.reference();
   const auto footprints = reference::project(reference::Particles(set), sensor);
   const auto all_rays = reference::rays(sensor);
-  // A float box may end this much earlier, as a share of its half width.
+  // A float box may be smaller by this share of its half-width.
   constexpr double kFloatShare = 1e-3;
   const double alpha_cut = options.alpha_cut * (1.0 + kFloatShare);
   std::size_t needed = 0, at_seam_low = 0, at_seam_high = 0;
@@ -279,7 +279,7 @@ TEST_P(BinOfScenes, NoRayMissesAParticleThatItMeets) {
       if (!camera) dx = std::min(dx, std::abs(ray.x - f.other_x));
       if (!(dx <= f.half_width.x() * (1.0 - kFloatShare))) continue;
       if (!(std::abs(ray.y - f.mean.y()) <= f.half_width.y() * (1.0 - kFloatShare))) continue;
-      // Boxes are wider than what is seen, and by their margins not alike.
+      // Boxes are wider than the visible part, with different margins.
       if (!(alpha_of(f, set.mean().row(particle).transpose().cast<double>(), ray) >= alpha_cut)) continue;
       ++needed;
       const auto found = lists.find({slot / rays.grid().frame.tile_rays, particle});
@@ -309,8 +309,8 @@ INSTANTIATE_TEST_SUITE_P(All,
                          [](const auto& pair) { return std::string(pair.param.name); });
 
 TEST(BinOfRings, HoldTheRowsOfTheWholeSweep) {
-  // Half-way the sensor is above the particle, a ring far below the lowest beam; at the start, where it
-  // fires at it, the particle is a metre behind and reaches the beams.
+  // At mid frame the sensor is above the particle, a ring far below the lowest beam; at the start, when it
+  // measures there, the particle is a metre behind and reaches the beams.
   test::Shot shot = test::shot_of(test::kLidarMoving, 150, 20);
   shot.lidar.range_min = 0.1;
   shot.view.scene_from_sensor_end = shot.view.scene_from_sensor_start;
@@ -329,7 +329,7 @@ TEST(BinOfRings, HoldTheRowsOfTheWholeSweep) {
       renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view).results();
   const auto expected =
       reference::render(reference::Particles(set), shot.reference(), {}, Eigen::Vector3d::Zero());
-  constexpr double kDecided = 1e-3;  // a yes-or-no decision as close as this may go the other way
+  constexpr double kDecided = 1e-3;  // a decision within this margin may differ
   std::size_t met = 0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     if (!(expected[i].margin >= kDecided)) continue;

@@ -1,4 +1,4 @@
-// Lenses on the device: projection in float and double against the host, and pictures through them against
+// Tests lenses on the device: projection in float and double against the host, and rendered pictures against
 // the reference.
 #include <cmath>
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// What a float pipeline may miss: a hundredth of a pixel.
+// Maximum error of a float pipeline: a hundredth of a pixel.
 constexpr double kFloat_px = 0.01;
-// A float decides differently about points this close to the end of the domain.
+// A float may decide differently about points this close to the end of the domain.
 constexpr double kDecided_rad = 3e-4;
 
 constexpr const char* kProbe = R"(
@@ -116,7 +116,7 @@ std::vector<Camera> one_camera_of_each_lens() {
       camera_of(LensKind::kEucm, {0.63, 1.04, kPi})};
 }
 
-/// Whether the host decides alike about all points within kDecided_rad.
+/// Whether the host decides equally for all points within kDecided_rad.
 bool decided(const Camera& camera, const Vector3d& p) {
   Vector2d pixel;
   const bool valid = camera.project(p, pixel);
@@ -140,7 +140,7 @@ TEST(CameraModel, TheDeviceProjectsAsTheHostDoes) {
        {Vector3d(0, 0, 1), Vector3d(0, 0, -1), Vector3d(0, 0, 0.005), Vector3d(1e-25, 0, 2)}) {
     points.push_back(edge);
   }
-  // About the fold of the OpenCV pinhole, whose radius depends on the direction.
+  // Around the fold of the OpenCV pinhole, whose radius depends on the direction.
   for (int i = 0; i < 4096; ++i) {
     const double radius = std::tan(random.uniform(0.58, 0.66)), direction = random.uniform(0.0, 2.0 * kPi);
     points.emplace_back(radius * std::cos(direction), radius * std::sin(direction), 1.0);
@@ -155,8 +155,7 @@ TEST(CameraModel, TheDeviceProjectsAsTheHostDoes) {
     for (const Build& build : {Build{Precision::kFloat, 16, kFloat_px},
                                Build{Precision::kFloat, 1, kFloat_px},
                                Build{Precision::kDouble, 8, 1e-8}}) {
-      // Each build costs most of a second: the variants of the lanes for two lenses, those with the most
-      // text.
+      // Each build takes most of a second: variants of the lanes only for the two longest lenses.
       const bool both =
           camera.lens.kind() == LensKind::kOpencvPinhole || camera.lens.kind() == LensKind::kFthetaInverse;
       if (build.lanes != 16 && !both) continue;
@@ -177,9 +176,9 @@ TEST(CameraModel, TheDeviceProjectsAsTheHostDoes) {
         Vector2d miss = Vector2d(images.x[i], images.y[i]) - expected;
         if (camera.lens.kind() == LensKind::kEquirectangular)
           miss.x() = std::remainder(miss.x(), camera.width);
-        // Far outside the picture a float has no hundredths of a pixel left.
+        // Far outside the picture a float cannot resolve hundredths of a pixel.
         double allowed = std::max(build.tolerance_px, build.tolerance_px * 1e-4 * expected.norm());
-        // asin() tells less and less where rays graze the glass.
+        // asin() loses accuracy for rays that graze the glass.
         if (camera.lens.windshield())
           allowed = std::max(allowed, build.tolerance_px * 1e-6 * expected.squaredNorm());
         EXPECT_LT(miss.norm(), allowed)
@@ -214,7 +213,7 @@ TEST(CameraModel, TheFloatPathMatchesOpenCv) {
   std::cout << "worst " << worst << " px\n";
 }
 
-/// A picture through a lens and the scene in it: particles all around the camera, none nearer than 2 m.
+/// A camera with its scene: particles all around the camera, none nearer than 2 m.
 struct Picture {
   GaussianSet set;
   test::Shot shot;
@@ -237,11 +236,12 @@ Picture picture_of(const Camera& camera, bool moving) {
   return picture;
 }
 
-/// Compares a picture with the reference without boxes, which knows neither tiles nor sigma points.
+/// Compares a picture with the reference without boxes, which uses neither tiles nor sigma points.
 void expect_reference(const Picture& picture, std::size_t least_covered) {
   const Device& device = test::device();
   RenderOptions options = paper_options();
-  options.camera_filter_px2 = kSplatVariance_px2;  // so that what is below a coarse pixel meets its ray
+  options.camera_filter_px2 =
+      kSplatVariance_px2;  // so that particles smaller than a coarse pixel are visible
   Renderer renderer(device, options);
   const ParticleBuffers particles(device, picture.set, Precision::kFloat);
   const SensorRays rays = picture.shot.on(device, renderer.options());
@@ -254,8 +254,7 @@ void expect_reference(const Picture& picture, std::size_t least_covered) {
                                            static_cast<double>(background[1]),
                                            static_cast<double>(background[2])});
   ASSERT_EQ(results.rays, expected.size());
-  // A box of seven sigma points ends where alpha is about 1/255, not exactly there: what it leaves out of a
-  // ray is a few times that, in a few rays.
+  // A box of seven sigma points ends where alpha is about 1/255: a few rays lose a few times that.
   constexpr double kBoxed = 0.03, kBoxedMean = 5e-4;
   double worst = 0.0, sum = 0.0;
   std::size_t covered = 0;
@@ -292,7 +291,8 @@ TEST(CameraModel, AFisheyeBeyondAHalfTurnWithARollingShutterMatchesTheReference)
   ASSERT_GT(pixels_without_ray(camera), 100U);
   const Picture picture = picture_of(camera, true);
   ASSERT_GT(reference::camera_direction(camera, {0.5, 36.5}).norm(), 0.0);
-  ASSERT_LT(reference::camera_direction(camera, {0.5, 36.5}).z(), -0.2);  // it does look behind itself
+  // the pixel shows a direction to the rear
+  ASSERT_LT(reference::camera_direction(camera, {0.5, 36.5}).z(), -0.2);
   expect_reference(picture, 3000);
 }
 
@@ -314,7 +314,7 @@ TEST(CameraModel, AnEquirectangularPictureWrapsAndMatchesTheReference) {
 
 TEST(CameraModel, AParticleAtThePanoramasSeamIsInFewTiles) {
   Picture picture = picture_of(panorama(), false);
-  // The seam lies at the azimuth (0 - cx) / fx to the right of the optical axis, which is the world's x.
+  // The seam is at the azimuth (0 - cx) / fx to the right of the optical axis, the world's x axis.
   const double azimuth = -31.0 / panorama().fx;
   test::SingleParticle particle;
   particle.mean = 5.0 * Vector3d(std::cos(azimuth), -std::sin(azimuth), 0.0);
@@ -369,7 +369,7 @@ TEST(CameraModel, PixelsWithoutARayAreBackgroundAndNoTrainingSignal) {
   }
   EXPECT_EQ(without, rays.grid().without_ray);
   EXPECT_EQ(without, 20U * kWidth);
-  // A picture that differs in those pixels alone costs nothing.
+  // A picture that differs only in these pixels has no loss.
   std::vector<float> truth(3 * results.rays);
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < results.rays; ++i) {

@@ -1,4 +1,4 @@
-// Bilateral grids: forward against a sequential loop in double, gradients against quotients.
+// Tests bilateral grids: forward against a sequential loop in double, gradients against difference quotients.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,7 +29,7 @@ ColorGrids random_grids(int x, int y, int z) {
   return grids;
 }
 
-/// One colour through grid `index` at pixel (px, py), from the definition.
+/// Returns one colour through grid `index` at pixel (px, py), from the definition.
 double graded(const ColorGrids& grids,
               std::size_t index,
               const Camera& camera,
@@ -64,7 +64,7 @@ double graded(const ColorGrids& grids,
 
 TEST_P(ColorGrid, MatchesTheLoopAndTheIdentityChangesNothing) {
   if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
-  // Wider than its cells, and (the second) with more vertices than pixels.
+  // Larger than its cells, and (second case) with more vertices than pixels.
   for (const auto& [width, height, x, y, z] : {std::array{50, 37, 4, 3, 5}, std::array{11, 7, 16, 16, 8}}) {
     const test::Shot shot = test::shot_of(test::kCameraStill, width, height);
     RenderOptions options = paper_options();
@@ -96,7 +96,7 @@ TEST_P(ColorGrid, MatchesTheLoopAndTheIdentityChangesNothing) {
       }
       ASSERT_EQ(found.transmittance[i], plain.transmittance[i]);
     }
-    EXPECT_GT(beyond, 1.0);  // luminances past the grid's end were among them
+    EXPECT_GT(beyond, 1.0);  // includes luminances beyond the grid's end
     pass = renderer.render(particles, rays, shot.view);
     const ColorGridBuffers neutral(device_, ColorGrids::identity(x, y, z, {{"front", 0.0}}), GetParam());
     pass.grade(neutral, 0);
@@ -109,7 +109,7 @@ TEST_P(ColorGrid, MatchesTheLoopAndTheIdentityChangesNothing) {
   }
 }
 
-/// Quotients say nothing in float.
+/// Difference quotients are inaccurate in float.
 class ColorGridInDouble : public ColorGrid {};
 
 TEST_P(ColorGridInDouble, GradientsMatchQuotientsAndWrongOnesDoNot) {
@@ -191,7 +191,7 @@ TEST_P(ColorGridInDouble, GradientsMatchQuotientsAndWrongOnesDoNot) {
 
     entries.clear();
     for (std::size_t i = 0; i < 3 * s; i += 37) {
-      // test::Quotients across a kink say nothing: luminances on a vertex of the grid, or at its ends.
+      // Quotients across a kink are invalid: luminances at a vertex or at the ends of the grid.
       const std::size_t slot = i % s;
       const double luminance = 0.299 * out[slot] + 0.587 * out[s + slot] + 0.114 * out[2 * s + slot];
       const double place = luminance * (z - 1);

@@ -1,4 +1,4 @@
-// The reconstruction errors that relocation draws by.
+// Tests the reconstruction errors that weight relocation.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 double sigma_of(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
 
-/// What a particle's error adds up to: with the errors as dL/d(first feature), the gradient of that feature.
+/// Tests sums of errors per particle: with the errors as dL/d(first feature), the gradient of this feature.
 class BlendedError : public testing::TestWithParam<LaneShape> {};
 
 TEST_P(BlendedError, IsTheGradientOfAFeatureSeenWithThoseErrors) {
@@ -32,7 +32,7 @@ TEST_P(BlendedError, IsTheGradientOfAFeatureSeenWithThoseErrors) {
   RealBuffer grads(device, "gradients", Precision::kFloat);
   Pass pass = renderer.render(particles, rays, shot.view);
 
-  // Truth that is off by a known amount at each pixel, alike in all channels; one row of pixels is not known.
+  // Ground truth with a known error at each pixel, equal in all channels; one row of pixels is unknown.
   const std::size_t slots = pass.frame().slots;
   std::vector<double> out = test::outputs(pass), truth(3 * slots), errors(slots);
   const std::vector<double> directions = pass.buffers().rays.world_ray.download_double();
@@ -122,7 +122,7 @@ TEST(BeamError, WeighsDistanceIntensityAndDropAsTheLossDoes) {
         expected += 0.5 * std::min(off, 1.0) + 0.1 * std::abs(out[i] - truth[slots + i]);
       }
     }
-    // 24 bits of a distance over an opacity that may be as small as 1/255.
+    // 24 bits of a distance divided by an opacity as small as 1/255.
     ASSERT_NEAR(found[i], expected, 2e-4) << i;
   }
   EXPECT_GT(counted, 500U);

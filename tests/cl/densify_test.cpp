@@ -1,4 +1,4 @@
-// Relocation, growth and noise: what is drawn, what is copied, what stays.
+// Tests relocation, growth and noise.
 #include "host/device/render/train/densify.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ constexpr double kDead = 0.005;
 double sigma_of(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
 float logit_of(double sigma) { return static_cast<float>(std::log(sigma / (1.0 - sigma))); }
 
-/// A set in training: what relocation changes together.
+/// A set in training with the data that relocation changes.
 struct Trained {
   Trained(const Device& device, const GaussianSet& set, const std::vector<double>& errors)
       : particles(device, set, Precision::kFloat),
@@ -38,7 +38,7 @@ struct Trained {
   RealBuffer first, second, error;
 };
 
-/// Every row differs from particle to particle, so that copies can be told.
+/// Returns a set with distinct rows, so that copies can be identified.
 GaussianSet distinct_set(Eigen::Index count) {
   test::SetRecipe recipe;
   recipe.count = count;
@@ -57,7 +57,7 @@ TEST_F(Densify, SourcesAreDrawnInProportionToTheirError) {
   constexpr Eigen::Index kCount = 4004;
   GaussianSet set = distinct_set(kCount);
   set.opacity_logit().tail(kCount - 4).setConstant(logit_of(0.9 * kDead));
-  std::vector<double> errors(kCount, 100.0);  // of the dead, which are never drawn
+  std::vector<double> errors(kCount, 100.0);  // errors of dead particles, which are never drawn
   for (std::size_t i = 0; i < 4; ++i) errors[i] = 0.5 * static_cast<double>(i);
   const auto drawn = [&](const RandomKey& key) {
     Trained trained(device_, set, errors);
@@ -88,7 +88,7 @@ TEST_F(Densify, SourcesAreDrawnInProportionToTheirError) {
 }
 
 TEST_F(Densify, CopiesTogetherLookLikeTheirSource) {
-  // One live particle and one to sixty dead ones, which all come to it.
+  // One live particle, and one to sixty dead particles that are relocated to it.
   for (const Eigen::Index others : {1, 2, 5, 30, 60}) {
     GaussianSet set = distinct_set(others + 1);
     const double sigma = 0.95;
@@ -103,7 +103,7 @@ TEST_F(Densify, CopiesTogetherLookLikeTheirSource) {
         std::exp(static_cast<double>(after.log_scale()(0, 0)) - static_cast<double>(set.log_scale()(0, 0)));
     const double copies = static_cast<double>(std::min<Eigen::Index>(others + 1, 51));
     EXPECT_NEAR(1.0 - std::pow(1.0 - each, copies), sigma, 2e-5) << others;
-    // What a line through them loses, summed across: the same as before.
+    // The integral of opacity across the particle is preserved.
     double integral = 0.0;
     constexpr double kStep = 1e-3;
     for (double x = -20.0; x < 20.0; x += kStep) {
@@ -127,7 +127,7 @@ TEST_F(Densify, GrowthKeepsWhatIsThereAndStartsMomentsAnew) {
   set.opacity_logit()(17) = logit_of(0.001);
   std::vector<double> errors(kCount, 0.0);
   for (std::size_t i = 50; i < 60; ++i) errors[i] = 1.0;
-  errors[58] = std::numeric_limits<double>::quiet_NaN();  // counts for nothing
+  errors[58] = std::numeric_limits<double>::quiet_NaN();  // is ignored
   Trained trained(device_, set, errors);
   const std::uint32_t old_stride = trained.particles.stride;
   const DensifyCounts counts = trained.relocate(densify_, kGrowth, {.seed = 3, .iteration = 10});
@@ -165,7 +165,7 @@ TEST_F(Densify, GrowthKeepsWhatIsThereAndStartsMomentsAnew) {
       EXPECT_EQ(second[at], is_new || drawn ? 0.0F : 2.0F);
     }
   }
-  // Padding is made of particles that nobody can see.
+  // Padding particles are invisible.
   for (std::size_t i = static_cast<std::size_t>(after.size()); i < stride; ++i) {
     EXPECT_EQ(params[kOpacityRow * stride + i], -80.0F);
     EXPECT_EQ(params[kRotationRow * stride + i], 1.0F);
@@ -173,7 +173,7 @@ TEST_F(Densify, GrowthKeepsWhatIsThereAndStartsMomentsAnew) {
   EXPECT_EQ(trained.error.count(), static_cast<std::size_t>(after.size()));
   for (const float e : trained.error.download_float()) EXPECT_EQ(e, 0.0F);
 
-  // Words that belong to particles follow them.
+  // Words that belong to particles are moved with them.
   std::vector<std::uint32_t> words;
   for (std::uint32_t i = 0; i < 3U * kCount; ++i) words.push_back(i);
   Buffer<std::uint32_t> anchors(device_, "anchors", words);
@@ -199,7 +199,7 @@ TEST_F(Densify, MembersOfActorsFollowTheirSources) {
     set.actor.push_back(static_cast<std::uint32_t>(i % 3));
     if (i % 4 == 0) set.opacity_logit()(i) = logit_of(0.001);
   }
-  // A particle's box is told by its mean: those of an actor lie in one that no other particle is in.
+  // A particle's box follows from its mean: particles of an actor are in a box without other particles.
   std::vector<Actor> actors(2);
   for (Actor& actor : actors) actor.size_m = {4.0, 2.0, 1.5};
   for (Eigen::Index i = 0; i < kCount; ++i) {
@@ -227,7 +227,7 @@ TEST_F(Densify, MembersOfActorsFollowTheirSources) {
     if (i < kCount && actor != set.actor[static_cast<std::size_t>(i)]) ++changed;
   }
   EXPECT_GT(changed, 5U);
-  // The tables of the actors are those of the new members.
+  // The tables of the actors contain the new members.
   EXPECT_EQ(trained.particles.actors, 2U);
   EXPECT_EQ(trained.particles.actor_of.count(), trained.particles.stride);
   const std::vector<std::uint32_t> first = trained.particles.actor_first.download();
@@ -241,7 +241,7 @@ TEST_F(Densify, MembersOfActorsFollowTheirSources) {
   }
   EXPECT_EQ(list, expected);
   EXPECT_EQ(first, starts);
-  // Nobody has come into a box from outside: confining moves none.
+  // No particle entered a box: confining moves none.
   Renderer renderer(device_, paper_options());
   renderer.confine(trained.particles, actors, 0.0);
   EXPECT_EQ(trained.particles.download().mean(), after.mean());
@@ -270,7 +270,7 @@ TEST_F(Densify, NothingHappensWithoutErrorsOrParticles) {
   EXPECT_EQ(words.count(), 40U);
   Trained none(device_, GaussianSet(SetKind::kCamera, 1, 0), {});
   EXPECT_EQ(none.relocate(densify_, 5, {.seed = 3}).grown, 0U);
-  // All are dead: there is nothing to draw from.
+  // All particles are dead: none can be drawn.
   set.opacity_logit().setConstant(logit_of(0.001));
   Trained dead(device_, set, std::vector<double>(40, 1.0));
   EXPECT_EQ(dead.relocate(densify_, 5, {.seed = 3}).relocated, 0U);

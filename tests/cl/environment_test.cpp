@@ -1,4 +1,5 @@
-// The environment texture: forward against a sequential loop in double, gradients against quotients.
+// Tests the environment texture: forward against a sequential loop in double, gradients against difference
+// quotients.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -15,11 +16,12 @@ namespace simuli {
 namespace environment_test {
 
 constexpr double kGradientTolerance = 1e-6;
-// Directions of 24 bits are places of 1e-6 texels here, and texels differ by about 1.
+// Directions of 24 bits give positions of 1e-6 texels here, and texels differ by about 1.
 constexpr double kFloatTolerance = 2e-5;
 constexpr double kDoubleTolerance = 1e-11;
 
-/// A camera that sees all around: the seam behind it, both poles. Few particles, so that much shines through.
+/// A camera with a field of view over all directions: the seam behind it, both poles. Few particles, so that
+/// most rays reach the texture.
 struct Panorama {
   explicit Panorama(int width = 48) {
     shot = test::shot_of(test::kCameraStill, width, width / 2);
@@ -34,11 +36,11 @@ struct Panorama {
     set = test::set_for(test::kCameraStill, recipe, 3);
     set.sh(0).array() += 1.5F;  // clear of the clamp at 0
     for (Eigen::Index i = 0; i < set.size(); ++i) {
-      // Around the camera, each at a range of its own: no step of a quotient changes their order.
+      // Around the camera at distinct ranges: quotient steps do not change the order.
       set.mean().row(i) *= (3.0F + 0.1F * static_cast<float>(i)) / set.mean().row(i).norm();
     }
-    options.alpha_cut = 1e-12;        // nothing comes or goes visibly when a parameter moves,
-    options.extent = Extent::kExact;  // and no box cuts anything off
+    options.alpha_cut = 1e-12;        // no contribution appears or disappears by a quotient step,
+    options.extent = Extent::kExact;  // and no box cuts contributions off
     options.transmittance_cut = 0.0;
   }
   test::Shot shot;
@@ -53,7 +55,7 @@ EnvironmentMap random_map(int width, int height) {
   return map;
 }
 
-/// The texture in a direction: azimuth and elevation, then four texels.
+/// Returns the texture in a direction: azimuth and elevation, then four texels.
 double lookup(const EnvironmentMap& map, double dx, double dy, double dz, int channel) {
   const double x = (0.5 - std::atan2(dy, dx) / (2.0 * kPi)) * map.width - 0.5;
   const double y = std::clamp((0.5 - std::atan2(dz, std::hypot(dx, dy)) / kPi) * map.height - 0.5,
@@ -73,7 +75,7 @@ double lookup(const EnvironmentMap& map, double dx, double dy, double dz, int ch
   return sum;
 }
 
-/// Squared differences of neighbours, each over its share of the sphere.
+/// Returns squared differences of neighbours, weighted by their share of the sphere.
 double variation(const EnvironmentMap& map, const std::vector<double>& texture) {
   double sum = 0.0;
   const auto at = [&](int x, int y, int c) {
@@ -132,7 +134,7 @@ TEST_P(Environment, FillsWhatTheForegroundLeaves) {
   }
 }
 
-/// Quotients say nothing in float.
+/// Difference quotients are inaccurate in float.
 class EnvironmentInDouble : public Environment {};
 
 TEST_P(EnvironmentInDouble, GradientsMatchQuotientsAndWrongOnesDoNot) {
@@ -192,7 +194,7 @@ TEST_P(EnvironmentInDouble, GradientsMatchQuotientsAndWrongOnesDoNot) {
   const test::Quotients of_texture = test::compare_quotients(texture_gradient, colours, moved(texture));
   EXPECT_LE(of_texture.error, kGradientTolerance);
   EXPECT_GT(of_texture.error_if_scaled, kGradientTolerance);
-  // What a particle hides of the texture: its opacity and its place.
+  // Occlusion of the texture by a particle: its opacity and position.
   for (const int row : {kMeanRow + 0, kMeanRow + 2, kOpacityRow + 0}) {
     std::vector<std::size_t> entries;
     for (std::size_t p = 0; p < 12; ++p) {
@@ -221,7 +223,7 @@ TEST_P(Environment, GradientRepeatsBitForBitAndRaysAtTheCutHaveNone) {
   for (std::size_t i = 0; i < s; ++i) {
     const bool is_shut = rays.grid().ray_of_slot[i] >= 0 && out[3 * s + i] < 0.5;
     shut += is_shut ? 1U : 0U;
-    if (is_shut) weights[i] = 1.0;  // asked only of rays that show nothing of the texture
+    if (is_shut) weights[i] = 1.0;  // only for rays without a visible part of the texture
   }
   EXPECT_GT(shut, 20U);
   RealBuffer grads(device_, "texture gradients", GetParam());

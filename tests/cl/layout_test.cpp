@@ -1,4 +1,5 @@
-// Shared structs lie in memory as the host has them: a probe kernel reports sizes and offsets.
+// Tests that shared structs have the same layout on the device as on the host: a probe kernel reports sizes
+// and offsets.
 #include "cl/shared/layout.h"
 
 #include <cstddef>
@@ -58,7 +59,7 @@ Offsets host_offsets() {
           offsetof(Footprint, tile_rows)};
 }
 
-// Every field of the structs of reals, and how many reals each struct has.
+// Every field of the structs of reals, and the number of reals of each struct.
 #define SIMULI_FIELDS(FIELD)                \
   FIELD(LensConstants, cos_min)             \
   FIELD(LensConstants, angle_max)           \
@@ -148,7 +149,7 @@ Offsets host_reals() {
   return offsets;
 }
 
-/// The same as the device finds them in its build's precision.
+/// Returns the offsets on the device for a precision.
 Offsets device_reals(const std::string& constants, Precision precision) {
   std::string body, structs;
   std::size_t at = 0;
@@ -199,7 +200,7 @@ TEST(Layout, DeviceAndHostAgree) {
   EXPECT_EQ(device_offsets(load_source("shared/layout.h")), host_offsets());
 }
 
-/// The structs of reals, as a text that lies at the root.
+/// Returns the structs of reals as source text in the root folder.
 std::string constants_of_sensors() {
   std::string text = load_source("shared/sensor_constants.h");
   const std::string beside = "#include \"reals.h\"";

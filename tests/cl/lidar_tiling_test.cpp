@@ -1,4 +1,4 @@
-// Procedure 1 on the device, for every table: what holds of all tilings, whatever the sensor.
+// Tests procedure 1 on the device for all tables: properties of all tilings.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -14,10 +14,10 @@
 namespace simuli {
 namespace lidar_tiling_test {
 
-constexpr double kFloat_rad = 2e-6;  // places of up to 7 rad in float, scaled and floored
+constexpr double kFloat_rad = 2e-6;  // positions of up to 7 rad in float, scaled and floored
 
-/// Every ray has its own slot, in the tile of its row and place and in its row's slot rows; no tile exceeds
-/// what it has slots for. row_of_ray[rays].
+/// Expects that each ray has its own slot, in the tile of its beam and position and in its beam's slot rows,
+/// and that no tile exceeds its slots. row_of_ray[rays].
 void expect_sound(const LidarTiles& tiling,
                   const std::vector<std::uint32_t>& row_of_ray,
                   const std::vector<float>& x) {
@@ -48,7 +48,7 @@ void expect_sound(const LidarTiles& tiling,
   ASSERT_LE(tiling.columns, 65535U);
 }
 
-/// Elevations and places as a ray grid asks for them, from azimuths that grow along the spin.
+/// Elevations and positions for a ray grid, from azimuths that increase along the spin.
 struct Rays {
   std::vector<float> elevation;  // of rows
   std::vector<float> x;
@@ -76,8 +76,8 @@ TEST(LidarTiling, EveryTable) {
     const LidarTiles tiling = tile_rows_of_rays(device, name, rays.elevation, rays.x);
     expect_sound(tiling, rays.row_of_ray, rays.x);
     if (HasFatalFailure()) return;
-    // No boundary splits beams of one elevation, and k of n boundaries leave k / n of the beams above, to
-    // within one beam and those of its elevation.
+    // No boundary splits beams of one elevation, and k of n boundaries have k / n of the beams above, up to
+    // one beam and the beams of its elevation.
     const std::size_t tiles = tiling.tile_rows.size() - 1;
     if (tiles != (rays.elevation.size() + 7) / 8) continue;  // beams collapsed, or a tile had to be cut
     const double rows = static_cast<double>(tiling.rows());
@@ -141,7 +141,7 @@ TEST(LidarTiling, ListsAreTiledAlongBothAxes) {
     for (std::size_t i = 1; i < count; ++i)
       ASSERT_GE(elevation[tiling.order[i - 1]], elevation[tiling.order[i]]);
     if (count < 20000) continue;
-    // Equal shares in azimuth too: uniform columns would hold most rays in the middle third.
+    // Also equal shares in azimuth: uniform columns would contain most rays in the middle third.
     std::vector<std::size_t> per_column(tiling.columns, 0);
     for (const std::uint32_t slot : tiling.slot_of_ray) ++per_column[slot / SIM_TILE_RAYS % tiling.columns];
     const std::size_t even = count / tiling.columns;
@@ -149,7 +149,7 @@ TEST(LidarTiling, ListsAreTiledAlongBothAxes) {
   }
 }
 
-/// Whether particle p is in the list of `tile`, with a slot row range that holds `ray_block`.
+/// Tests whether particle p is in the list of `tile` with a slot row range that contains `ray_block`.
 class Lists {
  public:
   explicit Lists(const Pass& pass)

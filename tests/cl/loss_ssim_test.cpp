@@ -1,4 +1,5 @@
-// Structural similarity against a window-by-window loop in double, and its gradient against quotients.
+// Tests structural similarity against a window-by-window loop in double, and its gradient against difference
+// quotients.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <span>
@@ -14,13 +15,13 @@
 namespace simuli {
 namespace loss_ssim_test {
 
-// Variances of values near 1 are differences of numbers near 1, beside C2 = 9e-4: 24 bits leave 1e-4 of one
-// window's SSIM, and less of the mean.
+// Variances of values near 1 are differences of numbers near 1, with C2 = 9e-4: 24 bits give an error of 1e-4
+// of one window's SSIM, and less for the mean.
 constexpr double kFloatMeanTolerance = 2e-5;
 constexpr double kDoubleMeanTolerance = 1e-12;
 constexpr double kGradientTolerance = 1e-6;
 
-/// A picture in slot order, some of whose pixels have no ray or are masked.
+/// A picture in slot order; some pixels have no ray or are masked.
 struct Picture {
   Picture(int w, int h, bool masked) : width(w), height(h) {
     frame.tiles_x = static_cast<std::uint32_t>((w + 15) / 16);
@@ -56,7 +57,7 @@ struct Picture {
     return ray[i] * ray[i] + ray[frame.slots + i] * ray[frame.slots + i] > 0.0 && truth[i] >= 0.0;
   }
 
-  /// Sum of 1 - SSIM straight from the definition: one 11 x 11 window after the other.
+  /// Returns the sum of 1 - SSIM from the definition, one 11 x 11 window after the other.
   [[nodiscard]] double dissimilarity() const {
     double sum = 0.0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -96,7 +97,7 @@ struct Picture {
   }
 };
 
-/// Lanes of the GPU shape, or of this device's (0).
+/// Lanes of the GPU shape, or of this device (0).
 class Ssim : public testing::TestWithParam<std::pair<Precision, int>> {
  protected:
   [[nodiscard]] static Precision precision() { return GetParam().first; }
@@ -104,7 +105,7 @@ class Ssim : public testing::TestWithParam<std::pair<Precision, int>> {
     double sum = 0.0;
     std::vector<double> gradient;
   };
-  /// The gradient buffer starts at 7: the stage adds.
+  /// The gradient buffer starts at 7, since the stage adds.
   Result run(SsimStage& stage, const Picture& p, double scale) {
     const auto buffer = [&](const std::vector<double>& values) {
       RealBuffer out(device_, "values", precision());
@@ -125,7 +126,7 @@ TEST_P(Ssim, MatchesTheLoopWithHolesMasksAndBorders) {
   if (precision() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device_);
   SsimStage stage(device_, precision(), GetParam().second);
   const double tolerance = precision() == Precision::kDouble ? kDoubleMeanTolerance : kFloatMeanTolerance;
-  // One stage through pictures that grow and shrink: margins are cleared anew.
+  // One stage for pictures of several sizes: margins are cleared each time.
   for (const auto& [width, height, masked] : {std::tuple{40, 23, true},
                                               std::tuple{70, 40, false},
                                               std::tuple{40, 23, true},
@@ -137,7 +138,7 @@ TEST_P(Ssim, MatchesTheLoopWithHolesMasksAndBorders) {
   }
 }
 
-/// Quotients say nothing in float.
+/// Difference quotients are inaccurate in float.
 class SsimInDouble : public Ssim {};
 
 TEST_P(SsimInDouble, GradientMatchesQuotientsAndWrongOnesDoNot) {

@@ -1,4 +1,4 @@
-// Losses against the same few lines in double, and their gradients against difference quotients.
+// Tests losses against the same formulas in double, and their gradients against difference quotients.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -15,14 +15,14 @@ namespace {
 
 constexpr std::size_t kTiles = 3;
 constexpr std::size_t kSlots = kTiles * SIM_TILE_RAYS;
-// Sums of 768 terms, the largest distances 50 m: 24 bits of each and of the running sum.
+// Sums of 768 terms with distances of up to 50 m: 24 bits of each and of the running sum.
 constexpr double kFloatSumTolerance = 2e-6;
 // A difference of two floats of size 10, times 4.
 constexpr double kSlopeTolerance = 1e-6;
 // Losses are piecewise smooth; quotients of a loss near 1 at steps of 1e-4 are good to 1e-8.
 constexpr double kQuotientTolerance = 1e-6;
 
-/// Outputs as a render might leave them; every seventh slot has no ray.
+/// Random rendered outputs; every seventh slot has no ray.
 struct Rendered {
   explicit Rendered(const Device& device, Precision precision)
       : buffers(device, precision), gradients(device, precision) {
@@ -136,7 +136,7 @@ TEST_P(Loss, SkyAsksForNothingNearAndLetsWhatIsFarBe) {
   std::vector<double> truth_values = random_truth(4, 0.0, 1.0, 5);
   for (std::size_t i = 0; i < kSlots; ++i) {
     truth_values[3 * kSlots + i] = i % 3 == 0 ? 1.0 : 0.0;
-    if (i % 5 == 0) truth_values[i] = -1.0;  // not known
+    if (i % 5 == 0) truth_values[i] = -1.0;  // unknown
   }
   RealBuffer truth(device_, "truth", precision());
   truth.assign(std::span<const double>(truth_values));
@@ -157,7 +157,7 @@ TEST_P(Loss, SkyAsksForNothingNearAndLetsWhatIsFarBe) {
   EXPECT_GT(far, 10U);
 }
 
-/// Terms of one ray of a sweep, straight from their definition.
+/// Terms of one ray of a sweep, from their definition.
 struct RayTerms {
   double distance = 0.0, intensity = 0.0, entropy = 0.0, wrong = 0.0;
 };
@@ -183,11 +183,11 @@ RayTerms terms_of(const std::vector<double>& out,
   return terms;
 }
 
-/// d(cross entropy) / dT of a ray by transmittance itself; how far it came stays what it is.
+/// Returns d(cross entropy) / dT of a ray with its mean distance fixed.
 double slope_by_transmittance(const Rendered& rendered, const std::vector<double>& truth, std::size_t i) {
   const auto entropy = [&](double by) {
     std::vector<double> out = rendered.out;
-    // The input is O m / (m + 20 m), m the mean distance: such a mean that it stays.
+    // The input is O m / (m + 20 m) with the mean distance m: chooses m so that it remains constant.
     const double opacity = 1.0 - out[SIM_O_TRANSMITTANCE * kSlots + i];
     const double sum = out[SIM_O_DISTANCE * kSlots + i];
     const double input = opacity * sum / (sum + 20.0 * opacity);
@@ -204,7 +204,7 @@ TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
   Rendered rendered(device_, precision());
   LidarLossStage stage(device_, precision(), GetParam().second);
   std::vector<double> truth_values = random_truth(2, 0.0, 1.0, 6);
-  // A third has no return, some ranges are below 1 m; the second channel stays an intensity.
+  // A third has no return, some ranges are below 1 m; the second channel remains an intensity.
   for (std::size_t i = 0; i < kSlots; ++i) truth_values[i] = i % 3 == 0 ? 0.0 : 0.5 + 49.5 * truth_values[i];
   RealBuffer truth(device_, "truth", precision());
   truth.assign(std::span<const double>(truth_values));
@@ -237,11 +237,11 @@ TEST_P(Loss, SweepMatchesTheLoopAndItsQuotients) {
   };
   for (std::size_t row = 0; row < 5; ++row) {
     for (const std::size_t slot :
-         {1UL, 3UL, 11UL, 22UL, 44UL, 301UL, 512UL, 700UL}) {  // 11, 22, 44: all but clear
+         {1UL, 3UL, 11UL, 22UL, 44UL, 301UL, 512UL, 700UL}) {  // 11, 22, 44: nearly transparent
       const std::size_t i = row * kSlots + slot;
       const double before = rendered.out[i];
       const double step = row == SIM_O_TRANSMITTANCE ? 1e-6 : 1e-4;
-      // Intensity and distance learn nothing from drops.
+      // The drop loss has no gradient by intensity and distance.
       LidarLossScale scale = kScale;
       if (row == 0 || row >= SIM_O_TRANSMITTANCE) scale.entropy = 0.0;
       const auto at = [&](double by) {

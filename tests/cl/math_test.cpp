@@ -1,4 +1,4 @@
-// The accuracy that cl/math/elementary.h states, over the domains that it states.
+// Tests the accuracy stated in cl/math/elementary.h over the stated domains.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -89,8 +89,8 @@ TEST_P(Elementary, FloatFunctionsKeepTheirStatedBounds) {
     const double e = std::exp(x);
     worst_exp = std::max(worst_exp, std::abs(static_cast<double>(found.exp[i]) - e) / e);
     worst_atan2 = std::max(worst_atan2, std::abs(static_cast<double>(found.atan2[i]) - std::atan2(y, x)));
-    // By whole turns: the result is the argument on the circle, inside half a turn either way. A float
-    // turn is 2e-7 off per turn taken away, and a wrapped value is as rounded as its argument.
+    // Modulo full turns: the result is the argument on the circle, within half a turn. A float turn has an
+    // error of 2e-7 per subtracted turn, and a wrapped value has the rounding of its argument.
     const double wrapped = static_cast<double>(found.wrap[i]);
     ASSERT_LE(std::abs(wrapped), kTurn / 2.0 + 4e-6) << x;
     worst_wrap = std::max(worst_wrap, std::abs(std::remainder(wrapped - x, kTurn)));
@@ -106,7 +106,7 @@ TEST_P(Elementary, FloatFunctionsKeepTheirStatedBounds) {
 }
 
 TEST_P(Elementary, WrappedAnglesAreExactWithinOneTurn) {
-  // What azimuths are: differences of two angles in [-pi, pi].
+  // Azimuths are differences of two angles in [-pi, pi].
   constexpr std::size_t kSamples = 4096;
   constexpr double kTurn = 2.0 * std::numbers::pi;
   test::Random random(3);

@@ -1,6 +1,5 @@
-// The three projections: where the map to the picture is straight they agree, where it bends Monte Carlo
-// sides with the sigma points. What is compared is each particle's box along x, as the device leaves it in
-// the record.
+// Tests the three projections: they agree for affine maps, and for curved maps Monte Carlo agrees with the
+// sigma points. Compared are the boxes along x in the device's records.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <vector>
@@ -15,8 +14,8 @@ using Eigen::Vector3d;
 using test::SingleParticle;
 
 constexpr double kOpacity = 0.5;
-// Monte Carlo's standard deviations come from 100 independent pairs of samples, the same for every particle:
-// 1 / sqrt(200) off on average; twice that for the worst direction.
+// Monte Carlo standard deviations come from 100 independent pairs of samples, equal for all particles: a mean
+// error of 1 / sqrt(200), twice that in the worst direction.
 constexpr double kSampling = 0.15;
 
 struct Box {
@@ -28,13 +27,13 @@ class ProjectionOption : public testing::TestWithParam<test::SceneCase> {
  protected:
   [[nodiscard]] bool camera() const { return GetParam().kind == SetKind::kCamera; }
 
-  /// Boxes of all particles, every one of which must be seen.
+  /// Returns the boxes of all particles, which must be visible.
   [[nodiscard]] std::vector<Box> boxes(Projection projection, const std::vector<SingleParticle>& particles) {
     RenderOptions options = paper_options();
     options.projection = projection;
-    options.camera_filter_px2 = 0.0;  // boxes of the particles themselves
+    options.camera_filter_px2 = 0.0;  // boxes without the filter
     const test::Shot shot = camera() ? test::shot_of(GetParam(), 72, 50) : test::shot_of(GetParam(), 150, 20);
-    // A ray grid has one sensor's tiles: the picture is large enough for all particles below.
+    // A ray grid has the tiles of one sensor: the picture is large enough for all particles below.
     GaussianSet set(GetParam().kind, GetParam().sh_degree, static_cast<Eigen::Index>(particles.size()));
     set.params.leftCols(param_rows(0)) = test::set_of(GetParam().kind, particles).params;
     Renderer renderer(device_, options);
@@ -49,7 +48,7 @@ class ProjectionOption : public testing::TestWithParam<test::SceneCase> {
     }
     return out;
   }
-  /// A place in plain sight: ahead, a little off the axis.
+  /// Returns a position ahead, slightly off the axis.
   [[nodiscard]] static Vector3d place(test::Random& random, double range_m) {
     return range_m * Vector3d(1.0, random.uniform(-0.4, 0.4), random.uniform(-0.25, 0.1)).normalized();
   }
@@ -58,8 +57,8 @@ class ProjectionOption : public testing::TestWithParam<test::SceneCase> {
 };
 
 TEST_P(ProjectionOption, SmallParticlesHaveTheSameBox) {
-  // A hundredth of the range, wide enough to reach a beam: what bends is some 1e-4 of the box. Linearised
-  // offsets are 1/32 of a standard deviation, 0.01 px beside coordinates of up to 72 px that are rounded to
+  // A hundredth of the range, wide enough to reach a beam: curvature changes about 1e-4 of the box.
+  // Linearised offsets are 1/32 of a standard deviation, 0.01 px with coordinates of up to 72 px, rounded to
   // 4e-6 px.
   constexpr double kShare = 0.015, kBend = 5e-3;
   test::Random random(5);
@@ -79,14 +78,14 @@ TEST_P(ProjectionOption, SmallParticlesHaveTheSameBox) {
     ASSERT_GT(box.half, 0.0);
     EXPECT_NEAR(linearized[i].mean, box.mean, kBend * box.half) << i;
     EXPECT_NEAR(linearized[i].half, box.half, kBend * box.half) << i;
-    EXPECT_NEAR(sampled[i].mean, box.mean, kBend * box.half) << i;  // samples come in opposite pairs
+    EXPECT_NEAR(sampled[i].mean, box.mean, kBend * box.half) << i;  // samples are pairs of opposite offsets
     EXPECT_NEAR(sampled[i].half, box.half, kSampling * box.half) << i;
   }
 }
 
 TEST_P(ProjectionOption, MonteCarloSidesWithTheSigmaPoints) {
   // Long particles at an angle to the line of sight, a few standard deviations away: the mean of the image
-  // lies off the image of the mean.
+  // differs from the image of the mean.
   test::Random random(6);
   std::vector<SingleParticle> particles;
   for (int i = 0; i < 32; ++i) {
@@ -106,14 +105,14 @@ TEST_P(ProjectionOption, MonteCarloSidesWithTheSigmaPoints) {
   const auto count = static_cast<double>(particles.size());
   RecordProperty("from_unscented", std::to_string(from_unscented / count));
   RecordProperty("from_linearized", std::to_string(from_linearized / count));
-  // Worth looking at, and at least twice as far.
+  // A significant difference, at least twice as large.
   EXPECT_GT(from_linearized / count, 0.01);
   EXPECT_LT(from_unscented, 0.5 * from_linearized);
 }
 
 TEST_P(ProjectionOption, AStraightMapIsExact) {
-  // A pinhole's picture of what lies at one depth is straight, whatever its size: x = cx + f X / Z. A LiDAR's
-  // is straight in the limit of small particles: a ball s at the horizontal distance d is s / d wide.
+  // A pinhole's map is affine at one depth, for any size: x = cx + f X / Z. A LiDAR's map is affine in the
+  // limit of small particles: a ball s at the horizontal distance d has the width s / d.
   constexpr double kRounding = 2e-3;  // of linearised offsets; see above
   const double reach = std::sqrt(2.0 * std::log(255.0 * kOpacity));
   const double kFocal_px = 0.6 * 72.0;
@@ -126,7 +125,7 @@ TEST_P(ProjectionOption, AStraightMapIsExact) {
       one.scale = {1e-4, random.uniform(0.3, 2.0), random.uniform(0.3, 2.0)};
       expected.push_back(reach * kFocal_px * one.scale[1] / one.mean.x());
     } else {
-      one.scale.setConstant(random.uniform(0.11, 0.15));  // none falls between two beams
+      one.scale.setConstant(random.uniform(0.11, 0.15));  // none fits between two beams
       expected.push_back(reach * one.scale[0] / one.mean.head<2>().norm());
     }
     particles.push_back(one);
@@ -140,7 +139,7 @@ TEST_P(ProjectionOption, AStraightMapIsExact) {
     EXPECT_NEAR(sampled[i].half, expected[i], kSampling * expected[i]) << i;
     EXPECT_NEAR(linearized[i].mean, unscented[i].mean, kRounding * expected[i]) << i;
     EXPECT_NEAR(sampled[i].mean, unscented[i].mean, kRounding * expected[i]) << i;
-    // The samples are the same for all: so is what they are off by, where the map is exactly straight.
+    // All particles have the same samples, and so the same error if the map is exactly affine.
     if (camera()) {
       EXPECT_NEAR(sampled[i].half / expected[i], sampled[0].half / expected[0], kRounding) << i;
     }

@@ -1,5 +1,4 @@
-// Philox against the vectors that its authors publish (Random123, kat_vectors), on the host and on the
-// device.
+// Tests Philox against the authors' published vectors (Random123, kat_vectors) on the host and on the device.
 #include "cl/math/random.h"
 
 #include <array>
@@ -54,7 +53,7 @@ TEST(Philox, PublishedVectorsOnHostAndDevice) {
         shared::philox(v.key[0], v.key[1], v.counter[0], v.counter[1], v.counter[2], v.counter[3]);
     for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(r.word[k], v.expected[k]);
   }
-  // Others, by which host and device agree.
+  // Other inputs, for which host and device agree.
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const std::uint32_t words_in[6] = {i * 7919U, ~i, i, i * i, 3U * i, 0x80000000U + i};
     in.insert(in.end(), words_in, words_in + 6);

@@ -1,5 +1,5 @@
-// Ray-based culling: the mask against a count of the rays, and sweeps that are the same bits with and
-// without.
+// Tests ray-based culling: the mask against a count of the rays, and equal bits of sweeps with and without
+// culling.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -18,7 +18,7 @@
 namespace simuli {
 namespace {
 
-/// Which rays are asked for.
+/// Selection of requested rays.
 struct Request {
   const char* name;
   std::function<bool(std::size_t ray, std::size_t rays, std::size_t columns)> wants;
@@ -58,7 +58,7 @@ TEST(RayMask, AreasCountOccupiedCells) {
     const double first = rays.grid().model.tile_first;
     const double width = (rays.grid().model.tile_last - first) / rays.model().mask_columns;
     const auto mask_row_of_row = rays.buffers().requested.mask_row_of_row.download();
-    // Where each requested ray is; one within rounding of an edge may be in either cell.
+    // Position of each requested ray; a ray within rounding of an edge may be in either cell.
     constexpr double kFloat_rad = 2e-6;
     std::vector<int> certain(rows * columns, 0), possible(rows * columns, 0);
     const auto cell = [&](double u, std::size_t row) {
@@ -110,7 +110,7 @@ TEST(RayMask, RowsHoldEqualNumbersOfBeams) {
   for (std::size_t r = 0; r < 16; ++r) EXPECT_EQ(row[r], r / 2);
 }
 
-/// Particles of all sizes around the sensor, with some on the seam, at the poles and around the sensor.
+/// Returns particles of all sizes around the sensor, some on the seam, at the poles and enclosing the sensor.
 GaussianSet crowd(std::uint64_t seed, int degree, SetKind kind = SetKind::kLidar) {
   test::SetRecipe recipe;
   recipe.kind = kind;
@@ -126,7 +126,7 @@ GaussianSet crowd(std::uint64_t seed, int degree, SetKind kind = SetKind::kLidar
     const float range = static_cast<float>(random.uniform(1.0, 20.0));
     const float aside = static_cast<float>(random.uniform(-0.1, 0.1));
     const float sign = i % 2 == 0 ? 1.0F : -1.0F;
-    if (i < 20) set.mean().row(i) << sign * range, aside, aside;  // ahead and astern: the cuts of the tables
+    if (i < 20) set.mean().row(i) << sign * range, aside, aside;  // ahead and behind: the cuts of the tables
     if (i >= 20 && i < 40) set.mean().row(i) << aside, aside, sign * range;  // above and below
     if (i >= 40) set.mean().row(i) << aside, aside, aside;                   // around
   }
@@ -157,7 +157,7 @@ Sweep sweep_of(Renderer& renderer,
   return sweep;
 }
 
-/// Sweeps with and without culling, and how many of the visible particles it dropped.
+/// Sweeps with and without culling, and the number of culled visible particles.
 class Comparison {
  public:
   explicit Comparison(const RenderOptions& options)
@@ -166,7 +166,7 @@ class Comparison {
         without_culling_(device_, off_),
         with_culling_(device_, auto_) {}
 
-  /// Asserts that both give the same bits.
+  /// Asserts equal bits of both.
   void expect_same(const Lidar& lidar,
                    const View& view,
                    std::uint64_t seed,
@@ -247,10 +247,10 @@ TEST(RayMask, CullingChangesNoBitOfAnySensorsSweep) {
   }
   std::cout << comparison.dropped << " of " << comparison.kept + comparison.dropped
             << " visible particles dropped\n";
-  EXPECT_GT(comparison.dropped, comparison.kept / 4);  // or nothing was tested
+  EXPECT_GT(comparison.dropped, comparison.kept / 4);  // otherwise nothing is tested
 }
 
-// Rays' offsets and spans of less than a turn, at rest and driving.
+// Ray offsets and partial revolutions, at rest and in motion.
 void expect_no_bit_changes_in_spans(const RenderOptions& options) {
   Comparison comparison(options);
   for (const double span : {2.0 * kPi, 5.0, 0.7}) {
@@ -277,7 +277,7 @@ TEST(RayMask, NorInOtherShapesAndExtents) {
   for (const RenderOptions& options : {gpu, exact}) expect_no_bit_changes_in_spans(options);
 }
 
-// Of cameras the rectangle around the pixels counts, also where the picture goes round.
+// Cameras use the rectangle around the pixels, also for wrapped pictures.
 TEST(RayMask, NorInPictures) {
   Comparison comparison(paper_options());
   Camera camera = test::shot_of(test::kCameraRolling, 150, 20).camera;

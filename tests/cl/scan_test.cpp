@@ -1,4 +1,4 @@
-// Prefix sums against the standard library, in the shapes of CPUs and of GPUs.
+// Tests prefix sums against the standard library, with the shapes of CPUs and of GPUs.
 #include "host/device/render/device/scan.hpp"
 
 #include <cstdint>
@@ -22,7 +22,7 @@ Words random_words(std::size_t count, double limit, std::uint64_t seed) {
   return words;
 }
 
-// Around one element per work-item, one chunk, one group, and far more.
+// Around one element per work-item, one chunk, one group, and many more.
 constexpr std::size_t kSizes[] = {0, 1, 2, 15, 16, 17, 63, 64, 65, 255, 256, 257, 1000, 4095, 4097, 50'001};
 
 class Scan : public testing::TestWithParam<std::size_t> {
@@ -36,7 +36,7 @@ TEST_P(Scan, MatchesTheStandardLibrary) {
     const Words values = random_words(n, 1000.0, n);
     Words expected(n);
     std::exclusive_scan(values.begin(), values.end(), expected.begin(), 0U);
-    // One element more than is summed: it stays.
+    // One element more than is summed, which must not change.
     Words padded = values;
     padded.push_back(77);
     Buffer<std::uint32_t> data(device_, "data", padded);

@@ -1,4 +1,4 @@
-// Sums of shards: one tree, whoever has added which of its nodes.
+// Tests sums of shards: one tree, independent of the distribution of its nodes.
 #include "host/device/render/train/shard_sum.hpp"
 
 #include <cmath>
@@ -19,7 +19,7 @@ constexpr std::uint32_t kCulled = 0xffffffffU;
 
 struct Shard {
   std::vector<std::uint32_t> keys, columns;
-  std::vector<float> grads;  // [rows][stride], numbers also where nothing is shown
+  std::vector<float> grads;  // [rows][stride], with values also for invisible particles
 };
 
 Shard shard_of(std::size_t particles, std::size_t count, unsigned seed) {
@@ -31,7 +31,7 @@ Shard shard_of(std::size_t particles, std::size_t count, unsigned seed) {
     shard.keys.push_back(is_shown ? static_cast<std::uint32_t>(random() % 1000) : kCulled);
     if (is_shown) shard.columns.push_back(i);
   }
-  // Of many sizes, so that the order of a sum shows.
+  // Values of different magnitudes, so that the order of a sum matters.
   for (std::size_t i = 0; i < count; ++i) {
     shard.grads.push_back(normal(random) * std::pow(10.0F, static_cast<float>(random() % 9) - 4.0F));
   }
@@ -59,7 +59,7 @@ class ShardSumTest : public testing::Test {
     std::vector<std::uint32_t> keys;
     std::size_t nodes = 0, places = 0;  // sent; of the device
   };
-  /// Shards [begin, end) by `stage`.
+  /// Adds shards [begin, end) with `stage`.
   void add(ShardSum& stage, std::size_t begin, std::size_t end, double share) {
     stage.start(particles, true);
     for (std::size_t s = begin; s < end; ++s) {
@@ -67,7 +67,7 @@ class ShardSumTest : public testing::Test {
       stage.add(s, Buffer<std::uint32_t>(device, "keys", shards[s].keys), buffer(shards[s].grads), share);
     }
   }
-  /// What rank `rank` of `ranks` finds, the others' sums reaching it packed.
+  /// Returns the result of rank `rank` of `ranks`, which receives the packed sums of the others.
   Found total(std::size_t ranks, std::size_t rank = 0, double share = 1.0 / 3.0) {
     const auto begin = [&](std::size_t r) { return r * shards.size() / ranks; };
     Found found;
@@ -98,7 +98,7 @@ class ShardSumTest : public testing::Test {
     found.keys = own.keys().download();
     found.sums = own.sums().download_float();
     found.sums.resize(rows * stride);
-    // What nothing shows was never set.
+    // Values of invisible particles are never set.
     for (std::size_t i = 0; i < found.sums.size(); ++i) {
       const std::size_t column = i % stride;
       if (column >= particles.count || found.keys[column] == kCulled) found.sums[i] = 0.0F;
@@ -109,7 +109,7 @@ class ShardSumTest : public testing::Test {
     shards.clear();
     for (unsigned s = 0; s < count; ++s) shards.push_back(shard_of(particles.count, rows * stride, s));
   }
-  /// The tree over [first, first + size), on the host; no value: no shard shows the particle.
+  /// Returns the tree over [first, first + size) on the host; no value if no shard contains the particle.
   std::optional<float> expected(
       std::size_t first, std::size_t end, std::size_t row, std::size_t i, float share) {
     if (first >= shards.size()) return {};
@@ -125,7 +125,7 @@ class ShardSumTest : public testing::Test {
 };
 
 TEST_F(ShardSumTest, IsThatOfABinaryTree) {
-  // Of a number that is no power of two, the tree of the next one without what is not there.
+  // If the number is not a power of two: the next larger tree without the missing leaves.
   for (const std::size_t count : {1U, 2U, 3U, 4U, 6U, 7U}) {
     make(count);
     const Found found = total(1);
@@ -161,7 +161,7 @@ TEST_F(ShardSumTest, HasTheSameBitsHoweverItIsShared) {
     }
     std::swap(shards.front(), shards.back());
     if (count > 2) {
-      EXPECT_FALSE(total(1).sums == alone.sums);  // the order shows
+      EXPECT_FALSE(total(1).sums == alone.sums);  // the order matters
     }
   }
 }
@@ -209,8 +209,8 @@ TEST_F(ShardSumTest, OthersAreRefused) {
   };
   const std::vector<std::uint32_t> first{0}, beyond{particles.count};
   const std::vector<float> values(rows), fewer(rows - 1);
-  refused({0, 1, first, values});  // there already
-  refused({2, 1, first, values});  // one is missing
+  refused({0, 1, first, values});  // already present
+  refused({2, 1, first, values});  // one shard is missing
   refused({1, 1, beyond, values});
   refused({1, 1, first, fewer});
 }

@@ -1,4 +1,4 @@
-// Radix sort against the standard library, in the shapes of CPUs and of GPUs.
+// Tests radix sort against the standard library, with the shapes of CPUs and of GPUs.
 #include "host/device/render/device/sort.hpp"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ Words random_words(std::size_t count, double limit, std::uint64_t seed) {
 constexpr double kAll32Bits = 4294967296.0;
 // Around one element per work-item and one chunk: few enough for an interpreter of kernels.
 constexpr std::size_t kFew[] = {0, 1, 2, 15, 16, 17, 63, 64, 65, 255, 256, 257, 1000};
-// Around a group's, and far more.
+// Around one element per group's work-item, and many more.
 constexpr std::size_t kMany[] = {1024, 4095, 4097, 50'001};
 
 struct SortCase {
@@ -46,7 +46,7 @@ class Sort : public testing::TestWithParam<SortCase> {
     SortStage sort(device_, work_items);
     Buffer<std::uint32_t> keys(device_, "keys"), values(device_, "values");
     for (const std::size_t n : sizes) {
-      // Few distinct keys, so that ties abound; those of all 32 bits differ in their high bits as well.
+      // Few distinct keys, so that ties are frequent; keys of 32 bits also differ in their high bits.
       Words key_values = random_words(n, bits == 32 ? kAll32Bits : static_cast<double>(1U << bits), n + 1);
       for (std::size_t i = 0; i < n; i += 3) key_values[i] &= 0x40000003U;
       for (std::uint32_t& k : key_values) k &= static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1);

@@ -1,6 +1,6 @@
 #pragma once
-// What the tests of device code share: scene cases that reuse the same few program variants (each variant
-// costs seconds of compile time), and their sensors for kernels and reference alike.
+// Common parts of tests of device code: scene cases that use the same few program variants (each variant
+// takes seconds to compile), and their sensors for kernels and reference.
 #include <gtest/gtest.h>
 #include <iosfwd>
 #include <vector>
@@ -11,12 +11,12 @@
 
 namespace simuli::test {
 
-/// A sensor and what its kernels are specialised for.
+/// A sensor with the parameters that specialise its kernels.
 struct SceneCase {
   const char* name;
   SetKind kind;
   bool moving;
-  bool levers;  // LiDAR beams start away from the sensor's origin
+  bool levers;  // LiDAR beams start at offsets from the sensor's origin
   int sh_degree;
 };
 void PrintTo(const SceneCase& scene_case, std::ostream* out);
@@ -28,7 +28,7 @@ inline constexpr SceneCase kLidarStill{"lidar", SetKind::kLidar, false, false, 2
 inline constexpr SceneCase kLidarLevers{"lidar_levers", SetKind::kLidar, false, true, 0};
 inline constexpr SceneCase kLidarMoving{"lidar_moving", SetKind::kLidar, true, true, 1};
 
-inline constexpr LaneShape kDefaultShape{0, 0, 0};  // of the device
+inline constexpr LaneShape kDefaultShape{0, 0, 0};  // shape of the device
 inline constexpr LaneShape kCpuShape{16, 16, 1};
 inline constexpr LaneShape kGpuShape{1, 1, 256};
 
@@ -44,51 +44,52 @@ struct Shot {
   [[nodiscard]] reference::Sensor reference() const;
 };
 
-/// Cameras look along +x; `width` x `height` pixels, or columns x beams of a full turn from azimuth pi,
-/// 1 to 80 m. A moving sensor drives 0.6 m along x and turns by 0.06 rad during the frame.
+/// Cameras point along +x with `width` x `height` pixels; LiDARs have columns x beams of a full revolution
+/// from azimuth pi and a range of 1 to 80 m. A moving sensor moves 0.6 m along x and rotates by 0.06 rad
+/// during the frame.
 [[nodiscard]] Shot shot_of(const SceneCase& scene_case, int width, int height);
 
-/// The set's kind and degree are those of the case.
+/// Returns a set with the kind and degree of the case.
 [[nodiscard]] GaussianSet set_for(const SceneCase& scene_case, SetRecipe recipe, std::uint64_t seed);
 
-/// Everything that a pass wrote, [5][slots] as it lies on the device.
+/// Returns all outputs of a pass, [5][slots], in device order.
 [[nodiscard]] std::vector<double> outputs(const Pass& pass);
-/// values[channels][slots] -> [channels][rays] in ray order; what stands at slots without a ray is left out.
+/// values[channels][slots] -> [channels][rays] in ray order, without slots that have no ray.
 [[nodiscard]] std::vector<double> by_ray(const SensorRays& rays, const std::vector<double>& values);
 
 // Results are compared as floats. A float pipeline adds the rounding of directions (6e-8) against scales
 // of a few centimetres some metres away, squared distances up to 11 and hundreds of terms.
 struct Tolerance {
   double transmittance;
-  double feature;     // features reach 4 times the range of the transmittance
+  double feature;     // features are up to 4 times the range of the transmittance
   double distance_m;  // sums of weights times up to 20 m
-  double decided;     // rays with a yes-or-no decision closer than this may go the other way
+  double decided;     // rays with a decision within this margin may differ
 };
 inline constexpr Tolerance kDoubleTolerance{2e-6, 8e-6, 4e-5, 1e-6};
 inline constexpr Tolerance kFloatTolerance{3e-3, 1.2e-2, 6e-2, 1e-3};
 
 struct RayCounts {
-  double compared = 0;  // share of rays that are decided
-  double covered = 0;   // share of these that meet a particle
+  double compared = 0;  // share of rays with certain decisions
+  double covered = 0;   // share of these rays on a particle
 };
-/// Fails at the first decided ray whose results are off; medians count for LiDARs alone.
+/// Fails at the first certain ray with a wrong result; medians are only tested for LiDARs.
 RayCounts expect_same_rays(const RayResults& results,
                            const std::vector<reference::RayResult>& expected,
                            SetKind kind,
                            const Tolerance& tolerance);
 
-/// Fails unless the drop logits of a LiDAR are those of the view's function at what the rays themselves have
-/// met; a camera has none.
+/// Fails unless the drop logits of a LiDAR equal the view's function of the rays' results; a camera has none.
 void expect_drop_logits(const RayResults& results, const View& view, SetKind kind);
 
-/// Whether the default device computes in double; where not, tests in double are skipped by name.
+/// Whether the default device supports double; otherwise tests in double are skipped.
 [[nodiscard]] bool has_double(const Device& device);
 #define SIMULI_NEEDS_DOUBLE(device)                                                     \
   if (!simuli::test::has_double(device)) {                                              \
     GTEST_SKIP() << "not run: comparisons in double precision, the device has no fp64"; \
   }                                                                                     \
   static_assert(true)
-/// GPUs have memory of a work-item's own for all that may run: not for windows and lists of 16 rays each.
+/// GPUs reserve private memory of all resident work-items, which does not suffice for windows and lists of 16
+/// rays each.
 #define SIMULI_NEEDS_WINDOWS(device, shape)                                         \
   if (!(device).info().is_cpu && (shape).lanes > 1) {                               \
     GTEST_SKIP() << "not run: windows of vectors, which no GPU has the memory for"; \

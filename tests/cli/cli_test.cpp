@@ -119,7 +119,7 @@ TEST_F(Cli, AFolderThatMayNotBeEnteredIsToldSo) {
       "{} '{}' info locked.log", is_root ? "setpriv --reuid=65534 --clear-groups" : "env", program_));
   EXPECT_EQ(outcome.exit_code, kInput);
   EXPECT_EQ(outcome.err,
-            "simuli: locked.log: folder: found Permission denied, allowed one that can be entered\n");
+            "simuli: locked.log: folder: found Permission denied, allowed a folder with search permission\n");
 }
 
 TEST_F(Cli, WhatCannotBeWrittenIsTold) {
@@ -151,7 +151,7 @@ TEST_F(Cli, OutputThatCannotBeWrittenIsAnError) {
 TEST_F(Cli, InfoOfABuiltInSensor) {
   const Outcome text = run("info generic64");
   EXPECT_EQ(text.exit_code, 0);
-  EXPECT_NE(text.out.find("64 rows x 2650 columns"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("64 beams x 2650 columns"), std::string::npos) << text.out;
   const Outcome json = run("info generic64 --json --verbose");  // global options behind the command
   ASSERT_EQ(json.exit_code, 0);
   const nlohmann::json sensor = nlohmann::json::parse(json.out);
@@ -168,7 +168,8 @@ TEST_F(Cli, InfoOfASensorFileAndOfAMode) {
   ASSERT_EQ(file.exit_code, 0) << file.err;
   EXPECT_EQ(file.out, built_in.out);
   const Outcome text = run("info mine.json");
-  for (const char* part : {"32 rows x 1000 columns", "20 turns per second", "row firing times", "licence"}) {
+  for (const char* part :
+       {"32 beams x 1000 columns", "20 revolutions per second", "beam firing times", "licence"}) {
     EXPECT_NE(text.out.find(part), std::string::npos) << part << " is missing in " << text.out;
   }
   expect_failure("info hesai_xt32@7", kUsage, "allowed 2000x10");

@@ -170,7 +170,7 @@ TEST_F(FramesCli, CamerasTellDepthActorsAndNormals) {
   ASSERT_EQ(info.at("occluders").size(), 1U);  // what nobody saw behind it is filled
   EXPECT_EQ(info.at("occluders").at(0).at("actor"), "car");
   EXPECT_GT(info.at("occluders").at(0).at("instead"), 0);
-  EXPECT_NE(run("info s.scene").out.find("\n  where car was recorded: "), std::string::npos);
+  EXPECT_NE(run("info s.scene").out.find("\n  occluder car: "), std::string::npos);
   EXPECT_EQ(frames.at("outputs").size(), 8U);
   const nlohmann::json& files = frames.at("frames").at(0).at("files");
   ASSERT_EQ(files.size(), 8U);

@@ -73,7 +73,7 @@ TEST_F(Cli, SensorsAreMountedAndSizedAsAsked) {
   expect_failure("render s.scene --sensor front --scale 0 -o x", kUsage, "half a pixel");
   expect_failure("render s.scene --sensor front --scale 1e-9 -o x", kUsage, "half a pixel");
   expect_failure("render s.scene --sensor front --scale 1e9 -o x", kUsage, "up to 65536 pixels a side");
-  expect_failure("render s.scene --sensor front --size 64 -o x", kUsage, "2 finite numbers parted by 'x'");
+  expect_failure("render s.scene --sensor front --size 64 -o x", kUsage, "2 finite numbers separated by 'x'");
   expect_failure("render s.scene --sensor front --size 0x9 -o x", kUsage, "whole pixels from 1");
   expect_failure("render s.scene --sensor front --size 9x9 --scale 2 -o x", kUsage, "--size");
   expect_failure("render s.scene --sensor top --size 9x9 -o x", kUsage, "allowed with cameras");

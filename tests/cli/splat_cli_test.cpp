@@ -45,8 +45,7 @@ TEST_F(SplatCli, OtherFilesOfSplatsAreToldApart) {
   for (const char* command : {"info red.splat", "import splat red.splat -o r.scene"})
     expect_failure(command, kInput, "found .splat, allowed .ply");
   fs::copy(folder_ / "red.ply", folder_ / "red.mcap");
-  expect_failure(
-      "info red.mcap", kInput, "found a recording, allowed a log made of it by simuli import mcap");
+  expect_failure("info red.mcap", kInput, "found a recording, allowed a log made by simuli import mcap");
   expect_failure("view red.splat --port 0",
                  kInput,
                  "found a file, allowed a scene's folder, or splats: .ply, .spz, .glb");
@@ -166,7 +165,7 @@ TEST_F(SplatCli, ImportPlacesASplat) {
   // As wide as the programs that make splats take a pixel.
   for (const char* scene : {"red.ply", "y.scene"})
     EXPECT_EQ(simuli::read_scene(folder_ / scene).scene.camera_filter_px2, 0.3) << scene;
-  EXPECT_NE(run("info y.scene").out.find("pixels widen the camera set by 0.3000 px2"), std::string::npos);
+  EXPECT_NE(run("info y.scene").out.find("camera filter 0.3000 px2"), std::string::npos);
   const std::string survey = run("import splat red.ply --survey").out;
   EXPECT_EQ(run("import splat red.ply -o w.scene").out,
             survey.substr(0, survey.size() - 1) + ", in w.scene\n");

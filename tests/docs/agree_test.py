@@ -10,6 +10,7 @@ import sys
 source = pathlib.Path(sys.argv[1]).resolve()
 pages = {file.stem: file for file in [source / "README.md", *source.glob("docs/*.md"), *source.glob("bench/*.md")]}
 pages["tests"] = source / "tests/README.md"
+pages |= {name: source / f"{name}.md" for name in ("CHANGELOG", "CONTRIBUTING")}
 words = {name: " ".join(file.read_text().split()) for name, file in pages.items()}
 wrong = []
 
@@ -29,8 +30,8 @@ NUMBERS = [
     ("ray-drop decisions right", r"right drop decisions \(every ray returns\) \|",
      r"right drops (\d\.\d+) \((\d\.\d+) if every ray returned"),
 ]
-GROUPS = ("actors anchor beside camera densify depth fixer init lidar look loss path prune ray_drop render shards "
-          "stretch").split()
+GROUPS = ("actors anchor appearance camera chunk densify depth fixer init lidar loss off_trajectory path prune "
+          "ray_drop render shards").split()
 KEY = rf"(?<![\w.])((?:{'|'.join(GROUPS)})\.[a-z_0-9.]*[a-z_0-9])\b"
 FILE = r"\.(?:json|log|scene|ply|png|npz|h|hpp|cpp|cl|py|exr|mcap)$"
 FOLDERS = ("bench/", "cl/", "docs/", "examples/", "host/", "io/", "optim/", "tests/")
@@ -82,7 +83,7 @@ for name, file in sorted(pages.items()):
         if path.startswith(FOLDERS) and re.fullmatch(r"[\w./*+-]+", path):
             check(any(source.glob(path.rstrip("/"))), f"{file.name}: {path}: no such file")
     check_sections(file.name, words[name])
-    if name != "DECISIONS":  # which names what is gone
+    if name not in ("CHANGELOG", "DECISIONS"):  # which name removed settings
         for key in re.findall(KEY, " ".join(quoted + re.findall(r"--set ([^`#]*)", text))):
             # A group alone, as in "prune.*", or the rates of either set, which share their fields.
             known = any(k == key or k.startswith(key + ".") for k in keys) or re.search(FILE, key)

@@ -1,4 +1,4 @@
-// Cameras projected by others: OpenCV 4.6, and the parameters of real sensors. Skipped without SIMULI_DATA.
+// Tests cameras against OpenCV 4.6 and parameters of real sensors. Skipped without SIMULI_DATA.
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -31,7 +31,7 @@ TEST(CameraConformance, DoublePathMatchesOpenCv) {
         ++compared;
       }
     }
-    // The file has few points past a fold: some more of our own.
+    // The file has few points beyond a fold: adds more.
     for (double degrees = c.fold_deg + test::kFoldRounding_deg; degrees < 84.0; degrees += 0.5) {
       const double radius = std::tan(degrees * std::numbers::pi / 180.0);
       for (double direction = 0.0; direction < 6.28; direction += 0.3) {

@@ -1,4 +1,4 @@
-// Built-in cameras, and the parts of Camera that depend on the lens.
+// Tests built-in cameras and the parts of Camera that depend on the lens.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <iostream>
@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kReprojection_px = 1e-8;  // double arithmetic; a hundredth of a pixel would do
+constexpr double kReprojection_px = 1e-8;  // double arithmetic; 0.01 px would suffice
 
 TEST(CameraLibrary, EveryPixelThatHasARayComesBackFromIt) {
   for (const std::string& name : builtin_camera_names()) {
@@ -41,7 +41,7 @@ TEST(CameraLibrary, EveryPixelThatHasARayComesBackFromIt) {
     const double share = static_cast<double>(missing) / static_cast<double>(seen);
     std::cout << name << ": " << to_string(camera.lens.kind()) << ", " << 100.0 * share
               << " % of the pixels without a ray\n";
-    // One picture reaches past its fold, another past the angle its vendor gives.
+    // One picture extends beyond its fold, another beyond its vendor's maximum angle.
     if (name == "pandaset_front_camera") {
       EXPECT_NEAR(share, 0.0116, 0.002);
     } else if (name == "gsplat_camera_rear_fisheye_nodist") {
@@ -55,7 +55,7 @@ TEST(CameraLibrary, EveryPixelThatHasARayComesBackFromIt) {
 TEST(CameraLibrary, KeepsTheSourcesNumbersInOurPixelConvention) {
   const Camera panda = builtin_camera("pandaset_back_camera");
   EXPECT_EQ(panda.fx, 933.4667);
-  EXPECT_EQ(panda.cx, 896.4692 + 0.5);  // counted from the centre of the first pixel there
+  EXPECT_EQ(panda.cx, 896.4692 + 0.5);  // PandaSet counts from the centre of the first pixel
   EXPECT_EQ(panda.shutter, ShutterKind::kTopToBottom);
   EXPECT_EQ(panda.lens.parameters()[4], 0.0067);
   const Camera wide = builtin_camera("gsplat_camera_front_wide_120fov");
@@ -125,7 +125,7 @@ TEST(CameraLens, AnEquirectangularPictureIsOneTurnWide) {
   EXPECT_NEAR(pixel.x(), 0.0573, 1e-4);
   ASSERT_TRUE(camera.project({1e-3, 0.0, -1.0}, pixel));
   EXPECT_NEAR(pixel.x(), 360.0 - 0.0573, 1e-4);
-  camera.cx = 30.0;  // any azimuth may stand in the middle
+  camera.cx = 30.0;  // any azimuth may be in the middle
   ASSERT_TRUE(camera.project({-1.0, 0.0, 0.0}, pixel));
   EXPECT_NEAR(pixel.x(), 300.0, 1e-9);
   camera.shutter = ShutterKind::kLeftToRight;

@@ -47,10 +47,11 @@ TEST(Camera, ViewAngleIsWhatThePictureSpans) {
   Camera camera{"c", 150, 200, 100.0, 100.0, 100.0, 100.0};
   EXPECT_NEAR(view_angle(camera).horizontal_rad, 45.0 * kDeg + std::atan(0.5), 1e-12);
   EXPECT_NEAR(view_angle(camera).vertical_rad, 90.0 * kDeg, 1e-12);
-  // 960 px to either side at 600 px per rad are 183.3 degrees, but the lens ends at 90 to either side.
+  // 960 px to either side at 600 px per rad are 183.3 degrees, but the lens ends at 90 degrees to either
+  // side.
   EXPECT_NEAR(
       view_angle(builtin_camera("gsplat_camera_rear_fisheye_nodist")).horizontal_rad, 180.0 * kDeg, 0.01);
-  // A whole turn.
+  // A full revolution.
   camera = {"c", 360, 90, 180.0 / std::numbers::pi, 180.0 / std::numbers::pi, 180.0, 45.0};
   camera.lens = Lens(LensKind::kEquirectangular, {});
   EXPECT_NEAR(view_angle(camera).horizontal_rad, 360.0 * kDeg, 1e-9);

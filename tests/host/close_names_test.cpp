@@ -12,7 +12,7 @@ TEST(CloseNames, TypingErrors) {
   EXPECT_EQ(close_names("plian", kKnown), Names{"plain"});
   EXPECT_EQ(close_names("acme_sdie", kKnown), Names{"acme_side"});
   EXPECT_EQ(close_names("acme_top3", kKnown).front(), "acme_top32");
-  EXPECT_EQ(close_names("eavl", {"eval"}), Names{"eval"});  // two letters that changed places are one error
+  EXPECT_EQ(close_names("eavl", {"eval"}), Names{"eval"});  // two swapped letters are one error
   EXPECT_EQ(close_names("Plain", kKnown), Names{"plain"});
   EXPECT_EQ(close_names("acme", {"ACME_SIDE"}), Names{"ACME_SIDE"});
 }
@@ -26,7 +26,7 @@ TEST(CloseNames, AsAQuestion) {
   EXPECT_EQ(did_you_mean("plian", kKnown), "did you mean plain? ");
   EXPECT_EQ(did_you_mean("acme_top12", kKnown), "did you mean acme_top16, acme_top32? ");
   EXPECT_EQ(did_you_mean("zzzzzz", kKnown), "");
-  EXPECT_EQ(did_you_mean("plian", {"plain"}), "");  // what is allowed follows anyway
+  EXPECT_EQ(did_you_mean("plian", {"plain"}), "");  // the message lists the allowed values anyway
 }
 
 TEST(CloseNames, PartsOfANameAndItsEnd) {

@@ -6,7 +6,7 @@
 
 namespace simuli {
 
-/// Runs f, which must throw Error of `kind` whose one-line message holds `part`.
+/// Expects that f throws Error of `kind` with a one-line message that contains `part`.
 template <class F>
 void expect_error(ErrorKind kind, const std::string& part, F&& f) {
   try {

@@ -48,7 +48,7 @@ constexpr void visit_fields(Options& o, F&& field) {
   field.internal(o.internal);
 }
 
-/// A member more than its visitor tells of.
+/// Has a member that its visitor does not visit.
 struct Forgetful {
   int told = 0;
   Rates rates;
@@ -60,7 +60,7 @@ constexpr void visit_fields(Forgetful& o, F&& field) {
   field.part("", o.rates);
 }
 
-// Fields::part() refuses to compile where this is false.
+// Fields::part() does not compile if this is false.
 static_assert(kVisitsAllMembers<Rates> && kVisitsAllMembers<Options>);
 static_assert(!kVisitsAllMembers<Forgetful>);
 

@@ -1,4 +1,4 @@
-// Every lens against its textbook formula, and where its domain ends. The formulas here are written anew.
+// Tests each lens and the limits of its domain against independently written formulas.
 #include "host/core/sensors/lens.hpp"
 
 #include <cmath>
@@ -35,7 +35,7 @@ bool has_image(const Lens& lens, const Vector3d& p) {
   return lens.project(p, image);
 }
 
-/// Directions up to `max_angle` come back from their image; returns how many.
+/// Expects that directions up to `max_angle` round-trip; returns their number.
 int expect_round_trips(const Lens& lens, double max_angle) {
   constexpr double kRoundTrip_rad = 2e-8;  // near a fold the image hardly moves: half the digits
   int count = 0;
@@ -78,7 +78,7 @@ TEST(LensOpencvPinhole, FollowsTheFormula) {
   EXPECT_FALSE(has_image(lens, {0.0, 0.0, 0.009}));  // nearer than 1 cm
 }
 
-// Flat to rounding in all 128 directions: once searched for folds at each of its samples, for seconds.
+// Flat to rounding in all 128 directions; a search for folds at each of its samples took seconds.
 TEST(LensOpencvPinhole, HardlyAnyDistortionIsNone) {
   std::vector<double> hardly(kFolded.size(), 0.0);
   hardly.back() = kPi;
@@ -114,7 +114,7 @@ TEST(LensOpencvPinhole, NothingPastTheFoldIsAcceptedAndNothingBeforeItRejected) 
     }
   }
   EXPECT_GT(furthest, nearest * 1.001);  // the tangential terms bend the fold: one radius would not do
-  // The largest image radius is 0.53 or so; beyond it no pixel has a ray.
+  // the maximum image radius is about 0.53; pixels beyond have no ray
   EXPECT_TRUE(lens.unproject({0.6, 0.0}).isZero(0.0));
   EXPECT_TRUE(lens.unproject({-0.5, 0.5}).isZero(0.0));
   EXPECT_FALSE(lens.unproject({0.3, 0.2}).isZero(0.0));
@@ -209,7 +209,7 @@ TEST(LensMei, FollowsTheFormulaOnBothSidesOfTheUnitMirror) {
       EXPECT_LT((image_of(lens, 7.0 * d) - expected).norm(), 100 * kSameFormula) << xi << " " << angle;
     }
     EXPECT_GT(expect_round_trips(lens, 1.9), 700);
-    // Tangent to the mirror, or parallel to the plane: from there on the map comes back.
+    // Tangent to the mirror, or parallel to the plane: beyond it the map folds.
     const double end = std::acos(-std::min(xi, 1.0 / xi));
     EXPECT_TRUE(has_image(lens, at(end - 1e-3, 1.0)));
     EXPECT_FALSE(has_image(lens, at(end + 1e-3, 1.0)));

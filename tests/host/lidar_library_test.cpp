@@ -1,4 +1,4 @@
-// Properties that hold for every built-in LiDAR in each of its modes.
+// Tests properties of all built-in LiDARs in all modes.
 #include "host/core/sensors/lidar_library.hpp"
 
 #include <algorithm>
@@ -117,8 +117,8 @@ TEST(LidarLibrary, UnknownNamesListCloseOnes) {
 
 TEST(LidarLibrary, OusterBeamsStartOnACircleThatTurnsWithTheHead) {
   const Lidar lidar = builtin_lidar("ouster_os1_128");
-  // The vendor's point: n (cos e, sin e) + d (cos(e + a) cos v, ...), e the head's angle, a the beam's
-  // offset.
+  // The vendor's point: n (cos e, sin e) + d (cos(e + a) cos v, ...) with encoder angle e and the beam's
+  // offset a.
   for (const int row : {0, 1, 64, 127}) {
     const double offset = lidar.rows[static_cast<std::size_t>(row)].azimuth_offset;
     for (const double head : {0.0, 1.0, -2.5}) {

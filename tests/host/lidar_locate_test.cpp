@@ -1,4 +1,4 @@
-// Every firing is found again from a point on its ray.
+// Tests that each ray is found from a point on it.
 #include "host/core/sensors/lidar_locate.hpp"
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace simuli {
 namespace {
 
-constexpr double kSteps = 1e-3;  // of a row or a column: what a sensor model must hold
+constexpr double kSteps = 1e-3;  // tolerance in beams or columns
 constexpr double kRanges_m[] = {0.5, 3.0, 17.0, 100.0};
 
 double row_step(const Lidar& lidar, int row) {
@@ -23,7 +23,7 @@ double row_step(const Lidar& lidar, int row) {
   return step;
 }
 
-/// The error of `hit` as one of (row, column), in steps; huge for another row.
+/// Returns the error of `hit` relative to (row, column) in steps; huge for another row.
 double error_in_steps(const Lidar& lidar, const LidarHit& hit, int row, int column) {
   if (hit.row != row) return 1e9;
   double columns = std::abs(hit.column - column);
@@ -60,7 +60,7 @@ TEST(LidarLocate, EveryRowOfEveryTableAtRest) {
           const auto best = locate(lidar, p);
           ASSERT_TRUE(best);
           if (best->row == row) continue;
-          // Only a ray of another row through the very same point may win.
+          // Only a ray of another beam through the same point may be found instead.
           ++shared;
           EXPECT_LT(std::abs(best->elevation_error), 1e-9) << name << " row " << row << " at " << range;
         }

@@ -179,7 +179,7 @@ TEST(Lidar, KittiTableCrossesTheSpinAxisWhereItWasFitted) {
   EXPECT_NEAR(lidar.rows[0].vertical_offset, 0.20900 / std::cos(0.033801667), kRounding);
   EXPECT_EQ(lidar.spin, SpinDirection::kClockwise);
   EXPECT_GT(lidar.rows[31].vertical_offset - lidar.rows[32].vertical_offset, 0.07);  // two laser blocks
-  // A clockwise sweep from behind passes straight ahead half-way.
+  // A clockwise sweep that starts at the rear passes the front at half time.
   EXPECT_NEAR(std::remainder(lidar.azimuth(0, lidar.columns / 2), 2 * kPi), 0.0, lidar.azimuth_span / 2156);
 }
 

@@ -44,7 +44,7 @@ TEST(Names, AreMadeOfAnything) {
   EXPECT_EQ(name_from("2011_09_26"), "2011_09_26");
   EXPECT_EQ(name_from(""), "_");
   for (const std::string& text : kNoNames) EXPECT_NO_THROW(need_name(name_from(text), "", "")) << text;
-  // Not cut within a character.
+  // A character is not cut.
   std::string umlauts;
   for (int i = 0; i < 100; ++i) umlauts += "\xC3\xBC";
   EXPECT_EQ(name_from('x' + umlauts), 'x' + umlauts.substr(0, 126));

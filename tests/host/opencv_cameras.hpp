@@ -1,5 +1,5 @@
 #pragma once
-// The conformance file of cameras and points projected by OpenCV, below the folder $SIMULI_DATA.
+// The conformance file of cameras and points projected by OpenCV, in the folder $SIMULI_DATA.
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -29,7 +29,7 @@ struct OpencvCamera {
   }
 };
 
-/// Empty when SIMULI_DATA is not set.
+/// Returns the cameras; empty without SIMULI_DATA.
 inline std::vector<OpencvCamera> opencv_cameras() {
   const char* const data = std::getenv("SIMULI_DATA");
   if (data == nullptr) return {};

@@ -16,7 +16,7 @@ TEST(ParallelRanges, VisitsEachIndexOnce) {
   EXPECT_EQ(visits, std::vector<int>(1000, 1));
 }
 
-/// Also where the part is another thread's: the last one is, on more than one core.
+/// Includes a part in another thread: the last part, on more than one core.
 TEST(ParallelRanges, ThrowsWhatAPartThrows) {
   for (const std::size_t bad : {0U, 999U}) {
     const auto refuse = [bad](std::size_t begin, std::size_t end) {

@@ -40,7 +40,7 @@ TEST(Pose, InverseUndoes) {
 TEST(Pose, FromMatrixTakesTheNearestRotation) {
   const Pose expected = make_pose(1.1, {3, 1, -2}, {7, 8, 9});
   Eigen::Matrix<double, 3, 4> printed = expected.matrix().topRows<3>();
-  // What a calibration file with six digits keeps of it.
+  // Keeps six digits, as a calibration file does.
   for (Eigen::Index i = 0; i < printed.size(); ++i) {
     printed.data()[i] = std::round(printed.data()[i] * 1e6) / 1e6;
   }
@@ -91,7 +91,7 @@ TEST(Pose, InterpolationTakesTheShorterArc) {
   EXPECT_LT(interpolate(a, b, 0.5).rotation.angularDistance(expected), 1e-7);
 }
 
-/// Near rotations by series, others by sines; shutters ask a little outside of [0, 1], too.
+/// Small rotations use a series, others sines; shutters also use values slightly outside of [0, 1].
 TEST(Pose, InterpolatesAlongTheArcHoweverShortItIs) {
   const Pose a = make_pose(1.3, {1, -2, 0.5}, {4, -5, 6});
   for (const double turned_rad : {0.0, 1e-12, 1e-6, 1e-3, 0.05, 0.0632, 0.0633, 0.2, 1.5, 3.0}) {

@@ -13,7 +13,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TimedPose at_x(double time_s, double x_m) { return {time_s, {Eigen::Quaterniond::Identity(), {x_m, 0, 0}}}; }
 
-/// Stands for a second, then drives a metre per second for two.
+/// Returns a trajectory that rests for 1 s, then moves 1 m/s for 2 s.
 Trajectory stop_and_go() { return Trajectory({at_x(1, 0), at_x(2, 0), at_x(4, 2)}); }
 
 TEST(Trajectory, InterpolatesWithinTheRightSegment) {

@@ -1,4 +1,4 @@
-// Lenses behind a windshield, against its definition written out here.
+// Tests lenses behind a windshield against an independent definition.
 #include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// sum over j and i with i + j up to the degree, term by term.
+/// Returns the sum over j and i with i + j up to the degree.
 double polynomial(const std::vector<double>& c, double a, double b) {
   int degree = 0;
   while (static_cast<std::size_t>((degree + 1) * (degree + 2) / 2) < c.size()) ++degree;
@@ -68,7 +68,7 @@ TEST(Windshield, BendsRaysBeforeTheLensAsItsPolynomialsSay) {
     int compared = 0;
     for (double x = -0.8; x <= 0.8; x += 0.1) {
       for (double y = -0.6; y <= 0.6; y += 0.1) {
-        // Of directions on both sides of the glass, the one that polynomials are exact from is given.
+        // The direction on the side from which the polynomials are exact.
         const Vector3d given = 7.0 * Vector3d(x, y, 1.0).normalized();
         const Vector3d other = is_forward ? bent(glass.horizontal, glass.vertical, given)
                                           : bent(glass.horizontal_inverse, glass.vertical_inverse, given);
@@ -151,7 +151,7 @@ TEST(Windshield, RefusesWhatNoGlassDoes) {
   refused([](Windshield& g) { g.vertical_inverse.clear(); },
           "windshield.vertical_inverse: found 0 coefficients");
   refused([](Windshield& g) { g.vertical[3] = std::nan(""); }, "windshield.vertical: found nan");
-  // Both polynomials of the one angle: a line instead of a picture.
+  // Equal polynomials for both angles: a line instead of a picture.
   refused([](Windshield& g) { g.vertical = {0, 1.01, 0, 0, 0, 0}; }, "not one to one");
   expect_error(ErrorKind::kInput, "equirectangular", [&] {
     (void)Lens(LensKind::kEquirectangular, {}).behind(good, "rig.json");

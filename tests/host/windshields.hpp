@@ -1,10 +1,10 @@
 #pragma once
-// Windshields as they are before cameras in cars: fractions of a degree, more towards the edge.
+// Typical windshields in front of cameras: deflections of fractions of a degree, larger towards the edge.
 #include "host/core/sensors/lens.hpp"
 
 namespace simuli::test {
 
-/// Of degrees 2 and 4; the polynomials of the way back are about right, as calibrations give them.
+/// Polynomials of degrees 2 and 4; the inverse polynomials are approximate, as in calibrations.
 inline Windshield glass_before_the_lens() {
   return {Windshield::Reference::kForward,
           {0.0021, 1.004, -0.0006, 0.0009, 0.006, 0.0012},
@@ -41,7 +41,7 @@ inline Windshield glass_before_the_lens() {
            -0.007}};
 }
 
-/// The same glass by the polynomials of the way back.
+/// Returns the same glass defined by the inverse polynomials.
 inline Windshield glass_by_its_way_back() {
   Windshield glass = glass_before_the_lens();
   glass.reference = Windshield::Reference::kBackward;

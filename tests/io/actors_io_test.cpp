@@ -1,4 +1,4 @@
-// Actors on disk: in log.json, in scene.json with the particles' numbers in the PLY files, and in the label
+// Tests actors in log.json, in scene.json with the particles' actor numbers in the PLY files, and in label
 // files of the KITTI tracking benchmark.
 #include <cmath>
 #include <fmt/format.h>
@@ -101,7 +101,7 @@ TEST(ActorsInALog, AreRefusedWhenTheyAreNone) {
 
 SceneFile scene_with_actors() {
   SceneFile file;
-  file.scene.camera_filter_px2 = kSplatVariance_px2;  // what the first version could read
+  file.scene.camera_filter_px2 = kSplatVariance_px2;  // readable by the first version
   file.scene.name = "street";
   file.scene.actors = two_cars();
   file.scene.camera = GaussianSet(SetKind::kCamera, 1, 4);
@@ -119,7 +119,7 @@ TEST(ActorsInAScene, AreReadAsWritten) {
   write_scene(scratch / "scene", written);
   const SceneFile read = read_scene(scratch / "scene");
   expect_same(read.scene.actors, written.scene.actors);
-  // In the order that particles have: the background's first, then each actor's.
+  // In the order of particles: background first, then each actor.
   const GaussianSet ordered = in_coherent_order(written.scene.camera);
   EXPECT_EQ(read.scene.camera.actor, (std::vector<std::uint32_t>{0, 0, 1, 2}));
   EXPECT_EQ(read.scene.camera.actor, ordered.actor);
@@ -153,10 +153,10 @@ TEST(ActorsInAScene, KeepTheirShapes) {
   ASSERT_EQ(after.offsets_m.size(), before.offsets_m.size());
   for (std::size_t i = 0; i < after.offsets_m.size(); ++i)
     EXPECT_NEAR(after.offsets_m[i], before.offsets_m[i], 0.5e-6);
-  // Once rounded to micrometres it stays as it is.
+  // Values rounded to micrometres are unchanged.
   write_scene(scratch / "again", read);
   EXPECT_EQ(read_scene(scratch / "again").scene.actors[1].deformation.offsets_m, after.offsets_m);
-  // Scenes without it are those that older programs read.
+  // Older programs can read scenes without deformations.
   EXPECT_NE(read_file(scratch / "scene" / "scene.json").find("\"version\": 2"), std::string::npos);
   write_scene(scratch / "rigid", scene_with_actors());
   EXPECT_NE(read_file(scratch / "rigid" / "scene.json").find("\"version\": 1"), std::string::npos);
@@ -227,7 +227,7 @@ kitti::SweepTimes two_sweeps() {
 
 TEST(KittiTracking, PutsBoxesIntoTheWorldWhenTheLaserMetThem) {
   const Scratch scratch;
-  // Straight ahead at 10 m, heading away (-pi/2); and to the left at 5 m, heading right across.
+  // Straight ahead at 10 m, heading away (-pi/2); and to the left at 5 m, heading right.
   const auto file = scratch.file("label.txt",
                                  "0 7 Car 0 0 -1.57 1 2 3 4 1.5 1.8 4.0 0.0 1.8 9.73 -1.5707963267948966\n"
                                  "0 -1 DontCare -1 -1 -10 1 2 3 4 -1000 -1000 -1000 -10 -1 -1 -1\n"
@@ -243,14 +243,14 @@ TEST(KittiTracking, PutsBoxesIntoTheWorldWhenTheLaserMetThem) {
   EXPECT_EQ(actors[1].kind, "car");
   EXPECT_EQ(actors[1].size_m, Vector3d(4.1, 1.8, 1.5));
   ASSERT_EQ(actors[1].track.size(), 2U);
-  // Ahead is passed half-way through a sweep, when the rig has come 0.5 m (and 1.5 m).
+  // The direction ahead is measured at half a sweep, after 0.5 m (and 1.5 m) of motion.
   EXPECT_NEAR(actors[1].track[0].time_s, 0.05, 1e-12);
   EXPECT_NEAR(actors[1].track[1].time_s, 0.15, 1e-12);
   const Pose& ahead = actors[1].track[0].world_from_actor;
   EXPECT_TRUE(ahead.translation.isApprox(Vector3d(10.5, 0.0, -0.08 - 1.8 + 0.75), 1e-9)) << ahead.translation;
   EXPECT_TRUE((ahead.rotation * Vector3d::UnitX()).isApprox(Vector3d::UnitX(), 1e-9));
   EXPECT_TRUE((ahead.rotation * Vector3d::UnitZ()).isApprox(Vector3d::UnitZ(), 1e-9));
-  // The spin starts behind and goes clockwise: the left is passed after a quarter of the turn.
+  // The spin starts behind and is clockwise: the left is measured after a quarter of the sweep.
   ASSERT_EQ(actors[0].track.size(), 1U);
   EXPECT_NEAR(actors[0].track[0].time_s, 0.125, 1e-12);
   const Pose& left = actors[0].track[0].world_from_actor;
@@ -298,7 +298,7 @@ TEST(StreetActor, IsWhereTheCarIs) {
   const Street street;
   for (const double time_s : {0.0, 0.73, 1.99}) {
     const Pose world_from_car = car.at(time_s);
-    // Rays from all sides at the middle of the box meet the car within it.
+    // Rays from all sides to the centre of the box hit the car inside the box.
     for (const Vector3d& side : {Vector3d(-1, 0, 0), Vector3d(0, 1, 0), Vector3d(0, 0, 1)}) {
       const Vector3d inside(0.0, 0.0, -0.1);
       const Vector3d origin = world_from_car * Vector3d(inside + 3.0 * side);

@@ -16,7 +16,7 @@ T number_at(const std::string& bytes, std::size_t at) {
   return value;
 }
 
-/// "123456789" is what checksums are compared by: its CRC-32 is cbf43926.
+/// "123456789" is the standard test of checksums: its CRC-32 is cbf43926.
 TEST(StoredZip, IsByteForByteAsTheFormatSays) {
   StoredZip zip("a.zip");
   zip.add("a", "123456789");

@@ -3,8 +3,7 @@
 
 namespace simuli::test {
 
-/// A particle of SH degree 0 in an ascii PLY, with more lines of the header and other values where they are
-/// given.
+/// Returns a particle of SH degree 0 as ASCII PLY, with additional header lines and other values if given.
 inline std::string ascii_ply(const std::string& extra_header = "",
                              const std::string& values = "1 2 3 4 5 6 7 8 9 10 1 0 0 0\n") {
   std::string text = "ply\nformat ascii 1.0\nelement vertex 1\n";
@@ -27,7 +26,7 @@ inline std::string ascii_ply(const std::string& extra_header = "",
   return text + extra_header + "end_header\n" + values;
 }
 
-/// Two particles, of which one is broken.
+/// Returns two particles, one of which is invalid.
 inline std::string half_broken_ply() {
   std::string text = ascii_ply("", "1 2 3 4 5 6 7 8 9 10 1 0 0 0\n1 2 nan 4 5 6 7 8 9 10 1 0 0 0\n");
   return text.replace(text.find("vertex 1"), 8, "vertex 2");

@@ -1,4 +1,4 @@
-// Cameras of every lens to JSON and back, strictly.
+// Tests cameras of each lens to JSON and back, and strict reading.
 #include <gtest/gtest.h>
 #include <numbers>
 
@@ -100,7 +100,7 @@ TEST(CameraJson, RefusesByName) {
   json.erase("k3");
   EXPECT_NE(error_of(json).find("k3"), std::string::npos) << error_of(json);
   json = good;
-  json["k5"] = 0.0;  // another model's
+  json["k5"] = 0.0;  // parameter of another model
   EXPECT_NE(error_of(json).find("k5"), std::string::npos) << error_of(json);
   json = good;
   json["max_angle_rad"] = 7.0;

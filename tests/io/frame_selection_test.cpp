@@ -1,4 +1,4 @@
-// Which frames are held out.
+// Tests the selection of held-out frames.
 #include "io/log/frame_selection.hpp"
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 using Indices = std::vector<std::size_t>;
 
-/// `frames` pictures and sweeps at 10 Hz of a rig that is at x(t).
+/// Returns `frames` pictures and sweeps at 10 Hz of a rig at x(t).
 template <class Path>
 Log drive(int frames, const Path& x_m) {
   Log log;
@@ -43,7 +43,7 @@ TEST(HeldOutRule, IsEveryNth) {
   EXPECT_TRUE(HeldOutRule(log, {.held_out_every = 0}).held_out(log.images).empty());
 }
 
-/// A rig's moments at 10 Hz: a LiDAR and these cameras, each a little later than the one before.
+/// Returns frames of a rig at 10 Hz: a LiDAR and these cameras, each slightly later than the previous one.
 Log surround_drive(int moments, const std::vector<std::string>& cameras) {
   Log log = steady_drive(moments);
   log.images.clear();
@@ -60,7 +60,7 @@ Log surround_drive(int moments, const std::vector<std::string>& cameras) {
   return log;
 }
 
-/// How many frames of each sensor are held out, and the moments of them.
+/// Returns the held-out times of each sensor.
 std::map<std::string, std::set<int>> moments_held_out(const Log& log, const HeldOutRule& rule) {
   std::map<std::string, std::set<int>> moments;
   for (const std::size_t i : rule.held_out(log.images)) {
@@ -73,7 +73,7 @@ std::map<std::string, std::set<int>> moments_held_out(const Log& log, const Held
 }
 
 TEST(HeldOutRule, HoldsTheSameMomentsOfEverySensorOut) {
-  // As many cameras as share a factor with N, and as do not.
+  // Numbers of cameras with and without a common factor with N.
   for (const std::size_t cameras : {1U, 2U, 3U, 5U, 6U}) {
     std::vector<std::string> names;
     for (std::size_t c = 0; c < cameras; ++c) names.push_back("camera_" + std::to_string(c));
@@ -92,7 +92,7 @@ TEST(HeldOutRule, HoldsTheSameMomentsOfEverySensorOut) {
 
 TEST(HeldOutRule, KeepsMomentsTogetherWhereFramesAreMissing) {
   Log log = surround_drive(20, {"front", "left", "right"});
-  // A picture that was dropped here and there, three sweeps on end.
+  // Some missing pictures, three consecutive missing sweeps.
   std::erase_if(log.images, [](const ImageFrame& frame) {
     const int moment = static_cast<int>(frame.time_start_s / 0.1 + 1e-6);
     return (frame.camera == "front" && moment == 3) || (frame.camera == "left" && moment >= 7 && moment < 9);
@@ -149,7 +149,7 @@ TEST(HeldOutRule, CountsAllPicturesTogetherForScenesThatDid) {
 TEST(HeldOutRule, IsTheEndOfThePath) {
   const Log log = steady_drive(20);
   const HeldOutRule rule(log, {.held_out_every = 0, .held_out_last = 0.245});
-  // The cut is at 1.51 s: sweep 15 ends at 1.6 s, picture 15 is taken at 1.55 s.
+  // The cut is at 1.51 s: sweep 15 ends at 1.6 s, picture 15 is at 1.55 s.
   EXPECT_EQ(rule.held_out(log.sweeps), (Indices{15, 16, 17, 18, 19}));
   EXPECT_EQ(rule.held_out(log.images), (Indices{15, 16, 17, 18, 19}));
   EXPECT_EQ(rule.use(19, log.sweeps[19]), FrameUse::kBeyond);
@@ -173,7 +173,7 @@ TEST(HeldOutRule, ASweepThatTheCutGoesThroughIsHeldOut) {
 }
 
 TEST(HeldOutRule, TheShareIsOfLengthNotOfTime) {
-  // Stops after a second: what it sees from there is of the last of the path, however long it stands.
+  // Stops after a second: all later frames are at the end of the trajectory.
   const Log log = drive(40, [](double time_s) { return 8.0 * std::min(time_s, 1.0); });
   const HeldOutRule rule(log, {.held_out_every = 0, .held_out_last = 0.19});
   EXPECT_EQ(rule.training(log.sweeps).size(), 8U);  // the cut is at 0.81 s
@@ -181,7 +181,7 @@ TEST(HeldOutRule, TheShareIsOfLengthNotOfTime) {
 
 TEST(HeldOutRule, IsTheMiddleOfThePath) {
   const Log log = steady_drive(20);
-  // From 0.65 to 1.35 s: sweeps 6 (0.6 to 0.7 s) and 13 are cut through, and held out whole.
+  // From 0.65 to 1.35 s: sweeps 6 (0.6 to 0.7 s) and 13 overlap and are held out.
   const HeldOutRule rule(log, {.held_out_every = 0, .held_out_middle = 0.35});
   EXPECT_EQ(rule.held_out(log.sweeps), (Indices{6, 7, 8, 9, 10, 11, 12, 13}));
   EXPECT_EQ(rule.use(10, log.images[10]), FrameUse::kMiddle);
@@ -190,7 +190,7 @@ TEST(HeldOutRule, IsTheMiddleOfThePath) {
 }
 
 TEST(HeldOutRule, TheMiddleIsOfLengthNotOfTime) {
-  // Stands for the first two seconds: half of its way is at 3 s.
+  // Rests for the first two seconds: half of the length is at 3 s.
   const Log log = drive(40, [](double time_s) { return 8.0 * std::max(time_s - 2.0, 0.0); });
   const HeldOutRule rule(log, {.held_out_every = 0, .held_out_middle = 0.15});
   EXPECT_EQ(rule.held_out(log.sweeps), (Indices{28, 29, 30, 31}));  // 2.85 to 3.15 s
@@ -204,7 +204,7 @@ TEST(HeldOutRule, TheEndGoesBeforeTheMiddleAndThatBeforeEveryNth) {
   EXPECT_EQ(rule.use(9, log.images[9]), FrameUse::kMiddle);
   EXPECT_EQ(rule.use(11, log.sweeps[11]),
             FrameUse::kMiddle);  // ends at 1.2 s, the last part begins at 1.21 s
-  EXPECT_EQ(rule.use(12, log.sweeps[12]), FrameUse::kBeyond);  // of both
+  EXPECT_EQ(rule.use(12, log.sweeps[12]), FrameUse::kBeyond);  // belongs to both
   EXPECT_EQ(held_out_text(frames),
             "every 5. frame, the middle 35 % of the path, the last 39.5 % of the path");
   EXPECT_EQ(held_out_text(nothing_held_out(frames)), "");

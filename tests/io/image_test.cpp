@@ -24,7 +24,7 @@ using test::Scratch;
 /// Half a step of 8 bits, and float rounding.
 constexpr float kEightBitTolerance = 0.5F / 255.0F + 1e-6F;
 
-/// Every pixel and channel differs from its neighbours.
+/// Returns a picture in which all neighbouring pixels and channels differ.
 Image pattern(int width, int height, int channels) {
   Image image(width, height, channels);
   for (std::size_t i = 0; i < image.data.size(); ++i) {
@@ -53,12 +53,12 @@ TEST(Image, ExrKeepsEveryBit) {
   EXPECT_EQ(read_image(scratch / "a.exr").data, image.data);
 }
 
-/// What is written twice has the same bits, whatever the time of day.
+/// Two writes give equal bits at any time.
 TEST(Image, ExrKnowsNoDate) {
   const Scratch scratch;
   write_image(scratch / "a.exr", Image(4, 3, 3));
   const std::string written = read_file(scratch / "a.exr");
-  EXPECT_NE(written.find("capDate"), std::string::npos);  // libraries write today's unasked
+  EXPECT_NE(written.find("capDate"), std::string::npos);  // libraries write the current date by default
   EXPECT_NE(written.find("1970:01:01 00:00:00"), std::string::npos);
 }
 
@@ -158,7 +158,7 @@ TEST(Image, IsKnownByItsFirstBytes) {
   write_image(scratch / "a.png", pattern(4, 4, 3));
   fs::rename(scratch / "a.png", scratch / "really_png.jpg");
   EXPECT_EQ(read_image(scratch / "really_png.jpg").width, 4);
-  // Decoders that nobody asked for are not tried: this is a whole Radiance picture.
+  // Other decoders are not tried: this is a valid Radiance picture.
   const fs::path other =
       scratch.file("a.png", std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x80"));
   expect_input_error([&] { (void)read_image(other); }, {"a.png", "neither PNG", "allowed"});
@@ -186,11 +186,11 @@ TEST(Image, ChecksTheClaimedSizeBeforeItAllocates) {
   }
   const fs::path grey = scratch.file("bomb.pgm", "P5 16000 16000 255\n some");
   expect_input_error([&] { (void)read_image(grey); }, {"bomb.pgm", "16000 x 16000", "as many as"});
-  write_image(scratch / "black.png", Image(3000, 3000, 1));  // the least that a file can hold so many in
+  write_image(scratch / "black.png", Image(3000, 3000, 1));  // the smallest file with this many pixels
   EXPECT_EQ(read_image(scratch / "black.png").width, 3000);
 }
 
-/// Where the size is known, a picture of another isn't decoded: its pixels here can't be.
+/// If the size is known, a picture of another size is not decoded: these pixels are invalid.
 TEST(Image, OfAnotherSizeIsRefusedByItsHeader) {
   const Scratch scratch;
   for (const std::string ending : {"png", "exr"}) {
@@ -205,7 +205,7 @@ TEST(Image, OfAnotherSizeIsRefusedByItsHeader) {
   }
 }
 
-/// A header of few bytes claims 2^28 pixels: as much memory is taken as there are rows.
+/// A small header claims 2^28 pixels: memory is allocated as rows are read.
 TEST(Image, TakesMemoryAsRowsCome) {
   const Scratch scratch;
   write_image(scratch / "small.exr", pattern(4, 4, 3));
@@ -216,7 +216,7 @@ TEST(Image, TakesMemoryAsRowsCome) {
     const std::int32_t last = 16383;
     for (std::size_t side = 0; side < 2; ++side) std::memcpy(&bytes[corner + 4 * side], &last, sizeof(last));
   }
-  bytes.append(std::size_t{1} << 16U, '\0');  // where its blocks are: nowhere
+  bytes.append(std::size_t{1} << 16U, '\0');  // the offsets of its blocks are invalid
   const fs::path file = scratch.file("bomb.exr", bytes);
   const auto peak_kB = [] {
     rusage used{};
@@ -290,7 +290,7 @@ TEST(Image, WholeStepsOfEightBitsAreRounded) {
 TEST(ImageFile, BytesAreThoseOfAPng) {
   const Scratch scratch;
   std::vector<float> values{-1.0F, 0.0F, 1.0F, 2.0F};
-  for (int step = 0; step < 255; ++step) {  // where one byte becomes the next, and beside it
+  for (int step = 0; step < 255; ++step) {  // at and next to the limit between two bytes
     const float edge = (static_cast<float>(step) + 0.5F) / 255.0F;
     values.insert(values.end(), {std::nextafter(edge, 0.0F), edge, std::nextafter(edge, 1.0F)});
   }
@@ -304,7 +304,7 @@ TEST(ImageFile, BytesAreThoseOfAPng) {
     EXPECT_EQ(bytes[i], std::lround(255.0F * stored.data[3 * i])) << values[i];
     std::vector<unsigned char> alone(1);
     to_bytes(std::span(values).subspan(i, 1), alone);
-    EXPECT_EQ(alone[0], bytes[i]) << values[i];  // wherever it stands
+    EXPECT_EQ(alone[0], bytes[i]) << values[i];  // at any position
     const double steps = 255.0 * static_cast<double>(std::clamp(values[i], 0.0F, 1.0F));
     EXPECT_LE(std::abs(steps - bytes[i]), 0.5 + 1e-5) << values[i];
   }

@@ -1,5 +1,5 @@
 #pragma once
-// How the time of reading grows with what is read.
+// Tests the growth of reading time with size.
 #include <algorithm>
 #include <ctime>
 #include <gtest/gtest.h>
@@ -7,11 +7,11 @@
 
 namespace simuli::test {
 
-/// Twice as much takes at most 2.3 times as long, of the processor: `read(which)` reads the once (0) and the twice
-/// (1) as large. Where every entry looks through all before it, it takes four times as long.
+/// Expects that twice the size takes at most 2.3 times the CPU time: `read(which)` reads the single (0) or
+/// the double (1) size. With a linear search per entry the factor is four.
 template <class Read>
 void expect_linear(const Read& read) {
-  constexpr int kTries = 3, kMostTries = 12;  // a busy machine needs more to show its least
+  constexpr int kTries = 3, kMostTries = 12;  // a busy machine needs more tries for its minimum
   constexpr double kMost = 2.3, kNever = std::numeric_limits<double>::infinity();
   double least_s[2] = {kNever, kNever};
   for (int i = 0; i < kTries || (i < kMostTries && least_s[1] >= kMost * least_s[0]); ++i) {

@@ -43,7 +43,7 @@ TEST(LongStreet, BendsAndClimbs) {
     high = std::max(high, at.translation.z());
   }
   EXPECT_GT(turned, 0.3);
-  EXPECT_LT(turned, 1.3);  // it never meets itself
+  EXPECT_LT(turned, 1.3);  // it does not intersect itself
   EXPECT_GT(high - low, 2.0);
 }
 
@@ -76,7 +76,7 @@ TEST(LongStreet, TheRoadIsUnderWhatDrives) {
 }
 
 TEST(LongStreet, PiecesMeetWithoutGapsOrSteps) {
-  // Down onto the road and along both pavements: nothing is lower than the road, or higher than a tree.
+  // Down to the road and along both pavements: no surface is below the road or above a tree.
   const LongStreet street(kLength_m);
   constexpr double kAbove_m = 30.0;
   for (const double left_m : {-4.0, 0.0, 4.0}) {
@@ -85,9 +85,9 @@ TEST(LongStreet, PiecesMeetWithoutGapsOrSteps) {
       const StreetHit hit =
           street.trace(at.translation + Vector3d(0.0, 0.0, kAbove_m), -Vector3d::UnitZ(), 0.0, kFarAway_m);
       ASSERT_TRUE(hit.hit) << s;
-      const double height = kAbove_m - hit.range;  // over where a wheel would stand
+      const double height = kAbove_m - hit.range;  // above the road surface
       if (left_m == 0.0) {
-        ASSERT_NEAR(height, 0.0, 1e-6) << s;  // nothing stands on the middle of the road
+        ASSERT_NEAR(height, 0.0, 1e-6) << s;  // no object in the middle of the road
       }
       ASSERT_GT(height, -1e-6) << s;
       ASSERT_LT(height, 8.0) << s;
@@ -96,7 +96,7 @@ TEST(LongStreet, PiecesMeetWithoutGapsOrSteps) {
 }
 
 TEST(LongStreet, NoRayLeavesAtEyeHeight) {
-  // Walls, cut by the planes between pieces, have no cracks: level rays end.
+  // Walls, cut at the planes between pieces, have no gaps: horizontal rays hit them.
   const LongStreet street(kLength_m);
   std::mt19937 random(3);
   int far = 0;
@@ -112,7 +112,7 @@ TEST(LongStreet, NoRayLeavesAtEyeHeight) {
     if (!hit.hit) continue;
     ASSERT_NEAR(hit.normal.norm(), 1.0, 1e-9);
     ASSERT_LT(hit.normal.dot(direction), 1e-9);
-    // Nothing is nearer, whatever the limit; and the limit is kept.
+    // No nearer hit exists for any limit, and the limit is respected.
     ASSERT_FALSE(street.trace(origin, direction, 0.0, 0.999 * hit.range).hit);
     ASSERT_EQ(street.trace(origin, direction, 0.0, 1.001 * hit.range).range, hit.range);
   }
@@ -158,7 +158,7 @@ TEST(LongStreet, TrafficIsWhereItsTracksAre) {
       const double time_s = key.time_s + 0.03;
       if (!car.is_there(time_s)) continue;
       const Pose at = car.at(time_s);
-      // From 6 m above its middle down: its roof, and off its sides the road.
+      // From 6 m above its centre down: its roof, and beside it the road.
       const Vector3d up = at.rotation * Vector3d::UnitZ(), left = at.rotation * Vector3d::UnitY();
       const StreetHit roof = street.trace(at.translation + 6.0 * up, -up, time_s, kFarAway_m);
       ASSERT_TRUE(roof.on_car) << car.name << " " << time_s;
@@ -168,7 +168,7 @@ TEST(LongStreet, TrafficIsWhereItsTracksAre) {
     }
   }
   EXPECT_GT(seen, 1000);
-  // Nor do they drive through the rig, or each other.
+  // Cars do not intersect the rig or each other.
   for (double time_s = 0.0; time_s < 60.0; time_s += 0.5) {
     std::vector<Vector3d> places{log.world_from_rig.at(time_s).translation};
     for (const Actor& car : log.actors) {

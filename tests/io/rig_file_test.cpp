@@ -69,7 +69,7 @@ TEST(RigFile, SensorsStandWhereItSays) {
   EXPECT_LT(rig[4].sensor.rig_from_sensor().rotation.angularDistance(turned.rotation), 1e-12);
   EXPECT_EQ(rig[4].sensor.rows(), 16U);
   EXPECT_EQ(rig[5].sensor.rig_from_sensor().translation.x(), 2.0);
-  // All know which recorded frames are theirs.
+  // Each sensor has its recorded frames.
   for (const RigSensor& one : rig) EXPECT_EQ(recorded().frames(one.model, one.sensor).size(), 1U);
 }
 

@@ -27,7 +27,7 @@ SceneFile some_scene() {
     for (Eigen::Index i = 0; i < set->params.size(); ++i)
       set->params.data()[i] = 0.3F + 0.01F * static_cast<float>(i);
   }
-  scene.camera_filter_px2 = kSplatVariance_px2;  // what the first version could read
+  scene.camera_filter_px2 = kSplatVariance_px2;  // readable by the first version
   scene.camera_background = {0.1F, 0.2F, 0.3F};
   scene.lidar_background = {0.0F, -3.7F, 4.5F};
   scene.ray_drop = {{"top", RayDrop::start()}, {"front", RayDrop::of_logits()}};
@@ -82,7 +82,7 @@ TEST(SceneFolder, SaysHowWideThePixelsWereThatItWasTrainedWith) {
   SceneFile written = some_scene();
   write_scene(scratch / "wide", written);
   const std::string silent = read_file(scratch / "wide" / "scene.json");
-  EXPECT_EQ(silent.find("camera_filter_px2"), std::string::npos);  // as older versions wrote it
+  EXPECT_EQ(silent.find("camera_filter_px2"), std::string::npos);  // as written by older versions
   EXPECT_EQ(read_scene(scratch / "wide").scene.camera_filter_px2, 0.3);
   written.scene.camera_filter_px2 = kPixelVariance_px2;
   write_scene(scratch / "own", written);
@@ -105,9 +105,9 @@ TEST(SceneFolder, VistasComeBackWithTheirPaths) {
   const Scene read = read_scene(scratch / "scene").scene;
   ASSERT_EQ(read.visibility_sets.size(), 2U);
   EXPECT_EQ(read.visibility_sets[0].path_m, written.scene.visibility_sets[0].path_m);  // every digit
-  EXPECT_EQ(read.vistas[1].path_m, written.scene.visibility_sets[1].path_m);
+  EXPECT_EQ(read.visibility_sets[1].path_m, written.scene.visibility_sets[1].path_m);
   EXPECT_EQ(read.camera.actor, (std::vector<std::uint32_t>{0, 1, 2}));
-  // With what actors hide of one.
+  // Including disoccluded and inpainted particles of a visibility set.
   Actor car{"car", "car", {4.0, 2.0, 1.5}, {}};
   for (const double time_s : {0.0, 2.0}) car.track.push_back({time_s, {}});
   written.scene.visibility_sets[1].occluders = {car};
@@ -223,7 +223,7 @@ TEST(SceneFolder, HalfAFolderIsRefused) {
   write_scene(scratch / "scene", some_scene());
   std::filesystem::remove(scratch / "scene/scene.json");
   expect_input_error([&] { (void)read_scene(scratch / "scene"); }, {"scene.json"});
-  // The sets of the two files cannot be swapped.
+  // The sets of the two files are not interchangeable.
   write_scene(scratch / "scene", some_scene());
   std::filesystem::copy_file(scratch / "scene/camera.ply",
                              scratch / "scene/lidar.ply",

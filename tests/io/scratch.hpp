@@ -1,5 +1,5 @@
 #pragma once
-// A folder of its own for each test, and the check that bad input is refused with a message that helps.
+// A separate folder for each test, and checks of error messages.
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace simuli::test {
 
-/// A new folder below the system's temporary one, removed at the end.
+/// A new folder in the system's temporary folder, removed at the end.
 class Scratch {
  public:
   Scratch() {
@@ -30,7 +30,7 @@ class Scratch {
   }
   [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Writes a file of these bytes and says where.
+  /// Writes a file of these bytes and returns its path.
   [[nodiscard]] std::filesystem::path file(const std::string& name, const std::string& bytes) const {
     std::ofstream(path_ / name, std::ios::binary) << bytes;
     return path_ / name;
@@ -40,7 +40,7 @@ class Scratch {
   std::filesystem::path path_;
 };
 
-/// Expects an error of that kind, of one line that holds every one of `words`.
+/// Expects a one-line error of this kind that contains all of `words`.
 inline void expect_error(ErrorKind kind,
                          const std::function<void()>& run,
                          const std::vector<std::string>& words) {

@@ -107,7 +107,7 @@ TEST(SensorRig, TakesOneMore) {
 
 TEST(SensorRig, CamerasOfASceneTakeWhatTheyTook) {
   SceneFile file = some_scene();
-  EXPECT_EQ(SensorRig(file).find("front").duration_s(), 0.0);  // nobody knows
+  EXPECT_EQ(SensorRig(file).find("front").duration_s(), 0.0);  // unknown
   file.recorded_frames["front"] = {{0.0, 0.02}, {1.0, 1.03}, {2.0, 2.02}};
   EXPECT_NEAR(SensorRig(file).find("front").duration_s(), 0.02, 1e-12);
 }
@@ -123,11 +123,11 @@ TEST(SensorRig, FramesAreThoseOfThePlace) {
   ASSERT_EQ(frames("top").size(), 2U);
   EXPECT_EQ(frames("top").at(1).time_end_s, 1.2);
   EXPECT_EQ(frames("rear").at(0).time_start_s, 5.0);
-  // Another takes as long as it takes.
+  // Another sensor uses its own duration.
   ASSERT_EQ(frames("hesai_xt32@20").size(), 2U);
   EXPECT_EQ(frames("hesai_xt32@20").at(1).time_start_s, 1.1);
   EXPECT_EQ(frames("hesai_xt32@20").at(1).time_end_s, 1.1 + 0.05);
-  // A file that happens to be called like one of the rig's stands where the first one is.
+  // A file whose name equals a sensor of the rig is mounted like the first sensor of its kind.
   const Scratch scratch;
   write_sensor_file(scratch / "rear.json", LidarFile{builtin_lidar("hesai_xt32")});
   EXPECT_EQ(frames((scratch / "rear.json").string()).size(), 2U);

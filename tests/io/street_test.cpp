@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 
 // A few rounding errors of double at 10 m.
 constexpr double kExact_m = 1e-12;
-// Ranges are stored as float: half a unit in the last place at 100 m is 4e-6 m; the rest is left for times
-// that are rounded to nanoseconds on disk (1e-8 m at 10 m/s).
+// Ranges are stored as float: half a unit in the last place at 100 m is 4e-6 m; the rest is a margin for
+// times rounded to nanoseconds (1e-8 m at 10 m/s).
 constexpr double kStoredRange_m = 1e-4;
 constexpr double kFarAway_m = 1e4;
 
@@ -110,7 +110,7 @@ TEST(Street, CarCanBeLeftOut) {
 TEST(Street, ThinPolesStandBeforeWhatIsThereAnyway) {
   const Street without({.car = std::nullopt}), with({.car = std::nullopt, .thin_poles = true});
   std::size_t on_pole = 0;
-  for (int i = 0; i < 20000; ++i) {  // along the pavement's edge, a row of rays across the street
+  for (int i = 0; i < 20000; ++i) {  // a row of rays across the street along the pavement's edge
     const Vector3d origin(0.005 * i, 0.0, 1.0);
     const StreetHit bare = without.trace(origin, Vector3d::UnitY(), 0.0, kFarAway_m);
     const StreetHit hit = with.trace(origin, Vector3d::UnitY(), 0.0, kFarAway_m);
@@ -119,7 +119,7 @@ TEST(Street, ThinPolesStandBeforeWhatIsThereAnyway) {
     EXPECT_TRUE(!bare.hit || hit.range < bare.range);
     EXPECT_NEAR(hit.range, 5.7, 0.02);
   }
-  // One pole per 3 m, 2.8 cm across in the mean, unless something stands before it.
+  // One pole per 3 m with a mean width of 2.8 cm, unless it is occluded.
   EXPECT_GT(on_pole, 80U);
   EXPECT_LT(on_pole, 280U);
 }
@@ -146,7 +146,7 @@ TEST(Street, LidarIsBlindToGlassAndToFaintReturns) {
   EXPECT_NEAR(tail.range, 6.0 - 2.1, kExact_m);
   EXPECT_GT(tail.intensity, 0.0);
   EXPECT_LE(tail.intensity, 1.0);
-  // Asphalt under a grazing ray: seen at 15 m, silent at 60 m, where it still is in the picture.
+  // Asphalt at a grazing angle: a return at 15 m, none at 60 m, but still in the picture.
   const auto road = [&](double distance_m) {
     const Vector3d direction = Vector3d(-distance_m, 0.0, -1.9).normalized();
     EXPECT_TRUE(street.trace({100.0, -1.0, 1.9}, direction, 0.0, 100.0).hit);
@@ -154,7 +154,7 @@ TEST(Street, LidarIsBlindToGlassAndToFaintReturns) {
   };
   EXPECT_NEAR(road(15.0), std::hypot(15.0, 1.9), 1e-9);
   EXPECT_EQ(road(60.0), 0.0);
-  // Nearer than the sensor can measure.
+  // Below the minimum range.
   EXPECT_EQ(street.lidar_return({0.0, 0.0, 0.5}, -Vector3d::UnitZ(), 0.0, 0.9, 100.0).range, 0.0);
 }
 
@@ -188,7 +188,7 @@ TEST(Street, SweepIsTracedFromEachRaysOwnOriginAtItsOwnTime) {
   const Sweep sweep = scan_street(street, lidar, log.world_from_rig, frame.time_start_s, frame.time_end_s);
   int returns = 0;
   int drops = 0;
-  double static_error_m = 0.0;  // what ignoring the motion within the sweep would cost
+  double static_error_m = 0.0;  // error without motion compensation within the sweep
   for (int r = 0; r < model.row_count(); ++r) {
     const LidarRow& row = model.rows[static_cast<std::size_t>(r)];
     for (int c = 0; c < model.columns; ++c) {
@@ -215,9 +215,9 @@ TEST(Street, SweepIsTracedFromEachRaysOwnOriginAtItsOwnTime) {
       static_error_m = std::max(static_error_m, std::abs(range - trace_at(frame.time_start_s).range));
     }
   }
-  EXPECT_GT(returns, 20 * drops / 10);  // glass, faint asphalt: some drops, far from most
+  EXPECT_GT(returns, 20 * drops / 10);  // glass and dark asphalt: some drops, far fewer than returns
   EXPECT_GT(drops, returns / 50);
-  EXPECT_GT(static_error_m, 0.1);  // the sweep takes 0.8 m of driving: the test would notice its loss
+  EXPECT_GT(static_error_m, 0.1);  // the sweep takes 0.8 m of motion: the test detects missing compensation
 }
 
 TEST(Street, PicturesDependOnSeedAndTimeButNotOnThreads) {
@@ -260,7 +260,7 @@ TEST(Street, PersonWalksInTheirBox) {
   const StreetWalker walker;
   const Street with({.car = std::nullopt, .walker = walker}), without({.car = std::nullopt});
   const Actor actor = walker.actor(0.0, 2.0);
-  std::set<int> seen_cm;  // of the foremost place of the feet
+  std::set<int> seen_cm;  // positions of the foremost point of the feet
   for (double time_s = 0.0; time_s <= 2.0; time_s += 0.05) {
     const Pose world_from_actor = actor.at(time_s);
     const Vector3d half = 0.5 * actor.size_m;
@@ -268,7 +268,7 @@ TEST(Street, PersonWalksInTheirBox) {
     double foremost = -1.0;
     for (double y = -1.0; y <= 1.0; y += 0.04) {
       for (double z = -0.9; z <= 1.0; z += 0.04) {
-        // From before the person, against the walk, and from beside.
+        // From the front of the person, and from the side.
         for (const bool beside : {false, true}) {
           const Vector3d from = beside ? Vector3d(y, 3.0, z) : Vector3d(3.0, y, z);
           const Vector3d to = world_from_actor.rotation * (beside ? -Vector3d::UnitY() : -Vector3d::UnitX());
@@ -282,7 +282,7 @@ TEST(Street, PersonWalksInTheirBox) {
           EXPECT_LE(std::abs(p.y()), half.y());
           EXPECT_LE(std::abs(p.z()), half.z());
           EXPECT_NEAR(hit.normal.norm(), 1.0, 1e-9);
-          EXPECT_LT(hit.normal.dot(to), 1e-9);  // 0 where it is grazed
+          EXPECT_LT(hit.normal.dot(to), 1e-9);  // 0 at a grazing angle
           if (p.z() < -0.5) foremost = std::max(foremost, p.x());
         }
       }
@@ -331,7 +331,7 @@ TEST(Street, LogIsReadBackAsWritten) {
   EXPECT_EQ(calls, 2U);
   EXPECT_EQ(written.folder, options.output);
   const Log log = read_log(options.output);
-  EXPECT_EQ(log_hash(written), log_hash(log));  // so that eval knows which frames a scene was trained on
+  EXPECT_EQ(log_hash(written), log_hash(log));  // so that eval can identify the training frames of a scene
   ASSERT_EQ(log.images.size(), 2U);
   ASSERT_EQ(log.sweeps.size(), 2U);
   const Street street({.seed = options.seed});
@@ -341,7 +341,7 @@ TEST(Street, LogIsReadBackAsWritten) {
   const Sweep stored = read_sweep(log.folder / frame.file, lidar.model);
   const Sweep truth = scan_street(street, lidar, log.world_from_rig, frame.time_start_s, frame.time_end_s);
   ASSERT_EQ(stored.range.size(), ray_count(lidar.model));
-  // Drops agree but for a ray that grazes an edge: nanoseconds on disk move the sensor by 1e-9 m.
+  // Drops are equal except for rays at an edge: times in nanoseconds move the sensor by 1e-9 m.
   std::size_t different_drops = 0;
   for (std::size_t i = 0; i < stored.range.size(); ++i) {
     if ((stored.range[i] > 0.0F) != (truth.range[i] > 0.0F)) {

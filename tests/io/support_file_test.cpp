@@ -60,7 +60,7 @@ TEST(SupportFile, ComesBackWithItsScene) {
     EXPECT_EQ(b.cells[i].log_error, a.cells[i].log_error);
     EXPECT_EQ(b.cells[i].log_contrast, a.cells[i].log_contrast);
   }
-  // Again in its place.
+  // Replaces the scene.
   write_scene(scratch / "scene", read);
   EXPECT_NE(read_scene(scratch / "scene").support, nullptr);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What an import without an output returns.
+// Checks the result of an import without an output.
 #include <filesystem>
 #include <gtest/gtest.h>
 
@@ -7,13 +7,13 @@
 
 namespace simuli::test {
 
-/// The frames of `log`, by the names and times that they have in it, and nothing where they would be written.
+/// Expects the frames of `log` with its names and times, and no files.
 inline void expect_survey(const Log& survey, const Log& log) {
   ASSERT_EQ(survey.images.size(), log.images.size());
   ASSERT_EQ(survey.sweeps.size(), log.sweeps.size());
   const auto expect_same = [](const auto& a, const auto& b) {
     EXPECT_EQ(a.file, b.file);
-    EXPECT_NEAR(a.time_start_s, b.time_start_s, 1e-6);  // a log's are whole nanoseconds
+    EXPECT_NEAR(a.time_start_s, b.time_start_s, 1e-6);  // times of a log are whole nanoseconds
     EXPECT_NEAR(a.time_end_s, b.time_end_s, 1e-6);
   };
   for (std::size_t i = 0; i < log.images.size(); ++i) expect_same(survey.images[i], log.images[i]);

@@ -1,5 +1,5 @@
 #pragma once
-// A street small enough to train on in a second.
+// A street for trainings of a second.
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 
 namespace simuli::test {
 
-/// The scene with the log's sensors.
+/// Returns the scene with the log's sensors.
 inline SceneFile file_of(const Log& log, Scene scene) {
   return {std::move(scene), log.cameras, log.lidars, log.world_from_rig, frame_spans(log)};
 }
@@ -19,7 +19,7 @@ inline EvalReport compare(const Log& log, const Scene& scene, const EvalOptions&
   return Evaluation(test::device(), file_of(log, scene), log, options).run();
 }
 
-/// Six pictures of 64 x 36 and six sweeps of 32 x 90, made once per process; frame 4 is held out of five.
+/// Six pictures of 64 x 36 and six sweeps of 32 x 90, generated once per process; frame 4 is held out.
 class SmallStreet : public testing::Test {
  protected:
   static void SetUpTestSuite() {

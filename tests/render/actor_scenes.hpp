@@ -1,5 +1,5 @@
 #pragma once
-// Two cars that tests of actors share.
+// Two cars for tests of actors.
 #include <vector>
 
 #include "host/core/scene/actor.hpp"
@@ -12,7 +12,7 @@ inline Pose pose_of(const Eigen::Vector3d& position, double yaw, double roll = 0
           position};
 }
 
-/// Two cars before the sensor that drive `step_m` and turn by `turn_rad` during the frame.
+/// Returns two cars ahead of the sensor that move by `step_m` and rotate by `turn_rad` during the frame.
 inline std::vector<ActorView> cars(double step_m, double turn_rad) {
   const auto from_to = [](const Pose& start, const Eigen::Vector3d& step, double turn) {
     Pose end = start;

@@ -1,4 +1,4 @@
-// Particles of actors against brute force, with every actor's pose at each ray's own time.
+// Tests particles of actors against brute force, with each actor's pose at each ray's own time.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <vector>
@@ -15,7 +15,7 @@ using test::SceneCase;
 
 constexpr SceneCase kCameraRollingSh0{"camera_rolling", SetKind::kCamera, true, false, 0};
 
-/// Background around the sensor and two actors; particles of actors stand between those of the background.
+/// Returns background around the sensor and two actors whose particles are between those of the background.
 GaussianSet set_with_actors(const SceneCase& scene) {
   const bool camera = scene.kind == SetKind::kCamera;
   test::SetRecipe background{.count = 60,
@@ -36,13 +36,13 @@ GaussianSet set_with_actors(const SceneCase& scene) {
   return set;
 }
 
-/// Where a frame's share t has come to, as METHOD section 2 has it.
+/// Returns the pose at share t of the frame (METHOD section 2).
 Pose at(const ActorView& view, double t) {
   return interpolate(view.scene_from_actor_start, view.scene_from_actor_end, t);
 }
 
-/// Transmittance of every ray: all particles, each in its actor's frame at the ray's own time. No order, no
-/// box.
+/// Returns the transmittance of each ray: all particles, each in its actor's frame at the ray's own time,
+/// without order and boxes.
 std::vector<double> brute_transmittance(const GaussianSet& set, const test::Shot& shot, double alpha_cut) {
   const reference::Sensor sensor = shot.reference();
   const reference::Particles particles(set);
@@ -65,7 +65,7 @@ std::vector<double> brute_transmittance(const GaussianSet& set, const test::Shot
       const Eigen::Quaterniond q =
           Eigen::Quaterniond(p(kRotationRow), p(kRotationRow + 1), p(kRotationRow + 2), p(kRotationRow + 3))
               .normalized();
-      // The footprint filter: its variance grows with the range from half-way through the frame.
+      // The footprint filter: its variance increases with the range at mid frame.
       const Pose middle =
           interpolate(shot.view.scene_from_sensor_start, shot.view.scene_from_sensor_end, 0.5);
       const Vector3d in_scene = actor == 0 ? mean : Vector3d(at(shot.view.actors[actor - 1], 0.5) * mean);
@@ -96,8 +96,8 @@ RenderOptions exact_options(Precision precision) {
   return options;
 }
 
-/// Largest difference of a transmittance from brute force. A contribution just at the cut may count or not:
-/// such rays are off by that contribution, alpha_cut at most, and are not compared.
+/// Largest difference of a transmittance from brute force. Rays with a contribution just at the cut may
+/// differ by alpha_cut and are not compared.
 struct Difference {
   double worst = 0.0;
   std::size_t on_cars = 0;  // rays that actors change
@@ -134,13 +134,13 @@ Difference difference(const SceneCase& scene, double step_m, double turn_rad, Pr
   return out;
 }
 
-// Rays go in and results come back as floats (as in forward_test.cpp).
+// Rays and results are floats (as in forward_test.cpp).
 constexpr double kExact = 2e-6;
 
 TEST(Actors, ThatDriveAreWhereEachRayMeetsThem) {
   const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
-  // 4 m per frame: 40 m/s in a sweep. What drives straight is drawn exactly.
+  // 4 m per frame: 40 m/s in a sweep. Linear motion is rendered exactly.
   for (const SceneCase& scene : {test::kLidarMoving, kCameraRollingSh0}) {
     const Difference d = difference(scene, 4.0, 0.0, Precision::kDouble);
     EXPECT_LT(d.worst, kExact) << scene.name;
@@ -152,13 +152,13 @@ TEST(Actors, ThatDriveAreWhereEachRayMeetsThem) {
 TEST(Actors, ThatTurnAreOffBySecondOrder) {
   const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
-  // 45 degrees/s and 20 m/s in a sweep. A particle keeps the heading it has when its middle is seen: what is
-  // left is the turn between that time and a ray's, times the particle's size.
+  // 45 degrees/s and 20 m/s in a sweep. A particle keeps the heading at its centre's time: the error is the
+  // rotation between that time and a ray's time, times the particle's size.
   const Difference slow = difference(test::kLidarMoving, 2.0, 0.08, Precision::kDouble);
   const Difference fast = difference(test::kLidarMoving, 2.0, 0.16, Precision::kDouble);
   EXPECT_LT(slow.worst, 3e-3);
   EXPECT_LT(fast.worst, 6e-3);
-  EXPECT_GT(fast.worst, kExact);  // else this tests nothing
+  EXPECT_GT(fast.worst, kExact);  // otherwise nothing is tested
 }
 
 TEST(Actors, AreDrawnInFloatAsInDouble) {
@@ -178,7 +178,7 @@ TEST(Actors, UnderAGlobalShutterStandStill) {
   const RayResults found =
       renderer.render(ParticleBuffers(device, set, Precision::kFloat), rays, shot.view).results();
 
-  // The same with the particles put into the scene on the host.
+  // The same with the particles moved to the scene on the host.
   GaussianSet placed = set;
   for (Eigen::Index i = 0; i < set.size(); ++i) {
     const std::uint32_t actor = set.actor[static_cast<std::size_t>(i)];
@@ -201,7 +201,7 @@ TEST(Actors, UnderAGlobalShutterStandStill) {
         std::max(worst, std::abs(static_cast<double>(found.transmittance[r] - expected.transmittance[r])));
     changed = std::max(changed, 1.0 - static_cast<double>(expected.transmittance[r]));
   }
-  EXPECT_LT(worst, 5e-3);  // contributions at the cut, 1/255, may come and go with the rounding
+  EXPECT_LT(worst, 5e-3);  // contributions at the cut, 1/255, depend on rounding
   EXPECT_GT(changed, 0.5);
 }
 

@@ -1,4 +1,5 @@
-// What is kept on a device is told once, in tables: that is what a frame takes, and names tell buffers apart.
+// Tests that the tables of device buffers are complete: their sum is the memory of a frame, and names are
+// unique.
 #include <gtest/gtest.h>
 #include <map>
 #include <set>

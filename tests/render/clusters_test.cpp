@@ -1,5 +1,5 @@
-// Clusters of particles that no ray can see are left out of frames: the same bits as with all of them, for
-// every sensor, and for particles that are put where the decision is a close one.
+// Tests that frames without clusters outside the view have equal bits, for all sensors and for particles at
+// the limits of the decision.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -29,7 +29,7 @@ using test::Shot;
 
 constexpr Eigen::Index kClusters = 96;
 
-/// Drives 3.2 m and turns by 12 degrees during the frame.
+/// Moves 3.2 m and rotates by 12 degrees during the frame.
 void set_moving(View& view) {
   view.scene_from_sensor_end.translation =
       view.scene_from_sensor_start.translation + Vector3d(3.0, -1.0, 0.2);
@@ -37,12 +37,11 @@ void set_moving(View& view) {
                                         Eigen::AngleAxisd(kPi / 15.0, Vector3d(0.05, 1.0, 0.1).normalized());
 }
 
-/// As far as a sensor sees: of cameras without end, particles are put up to this far.
+/// Returns the maximum range of a sensor; cameras have no limit, particles are placed up to this distance.
 double farthest_m(const Shot& shot) { return shot.kind == SetKind::kCamera ? 300.0 : shot.lidar.range_max; }
 
-/// Clusters that fill a ball, some to the brim, or lie just about where the sensor stops seeing them: beside
-/// the cone of a picture, or beyond a LiDAR's range. Of the actors that a cluster belongs to the means are in
-/// their axes.
+/// Returns clusters that fill a ball, some up to its surface, or are at the limit of visibility: beside the
+/// cone of a picture, or beyond a LiDAR's range. Means of an actor's cluster are in the actor's frame.
 GaussianSet close_calls(const SceneCase& scene, const Shot& shot, double view_angle, std::uint64_t seed) {
   test::Random random(seed);
   const Pose scene_from_sensor =
@@ -58,7 +57,7 @@ GaussianSet close_calls(const SceneCase& scene, const Shot& shot, double view_an
     const double spread = c % 3 == 0 ? 0.0 : range * decades(1e-4, 1.0);
     Vector3d direction = random.direction();
     const double reach = scale * std::sqrt(2.0 * std::log(0.9 * 255.0));
-    if (c % 2 == 0) {  // a hair's breadth inside or outside
+    if (c % 2 == 0) {  // just inside or outside
       const double off = random.uniform(-0.02, 0.02);
       if (scene.kind == SetKind::kCamera) {
         const double angle = view_angle + std::asin(std::min(reach / range, 1.0)) + off;
@@ -74,7 +73,7 @@ GaussianSet close_calls(const SceneCase& scene, const Shot& shot, double view_an
       const Eigen::Index i = c * SIM_CLUSTER + k;
       Vector3d mean = place + spread * random.direction() * random.uniform(0.0, 1.0);
       if (!shot.view.actors.empty()) {
-        // Every fifth cluster belongs to several.
+        // Every fifth cluster belongs to several actors.
         set.actor.push_back(actor == 4 ? static_cast<std::uint32_t>(k % 4) : actor);
         if (const std::uint32_t own = set.actor.back(); own > 0) {
           const ActorView& view = shot.view.actors[own - 1];
@@ -89,7 +88,7 @@ GaussianSet close_calls(const SceneCase& scene, const Shot& shot, double view_an
         set.log_scale()(i, axis) =
             static_cast<float>(std::log(scale * (axis == k % 3 ? 1.0 : random.uniform(0.01, 1.0))));
       }
-      // Of some clusters nearly all particles are too faint, of some all.
+      // In some clusters nearly all particles are too faint, in some all.
       const double opacity = c % 11 == 5      ? random.uniform(0.001, c % 2 == 1 ? 0.0039 : 0.0041)
                              : k % 5 == c % 5 ? 0.9
                                               : 0.02;
@@ -100,7 +99,7 @@ GaussianSet close_calls(const SceneCase& scene, const Shot& shot, double view_an
   return set;
 }
 
-/// Here and there a parameter that is no number, or one beyond all use.
+/// Sets some parameters to non-finite or unusable values.
 void spoil(GaussianSet& set, std::uint64_t seed) {
   constexpr float kInf = std::numeric_limits<float>::infinity();
   const std::vector<float> odd{std::nanf(""), kInf, -kInf, 3e38F, -3e38F, 1e19F, 85.0F, -85.0F, 0.0F};
@@ -115,7 +114,7 @@ void spoil(GaussianSet& set, std::uint64_t seed) {
 
 struct Seen {
   std::vector<std::uint32_t> keys;  // of all particles
-  std::vector<double> out;          // all that blending wrote
+  std::vector<double> out;          // all outputs of blending
   std::vector<std::uint32_t> live;  // of all clusters
   std::size_t clusters_left_out = 0;
 };
@@ -131,7 +130,7 @@ Seen seen_of(Renderer& renderer, const ParticleBuffers& particles, const SensorR
   return seen;
 }
 
-/// Whether the host, which decides what is brought to the device, takes each cluster to be in sight.
+/// Returns whether the host, which selects the data on the device, considers each cluster visible.
 std::vector<bool> in_sight(const GaussianSet& set,
                            const SensorRays& rays,
                            const View& view,
@@ -150,7 +149,7 @@ std::vector<bool> in_sight(const GaussianSet& set,
   return seen;
 }
 
-/// Frames with all particles against frames without those that cannot be seen.
+/// Compares frames with all particles with frames without invisible clusters.
 class Clusters : public testing::Test {
  protected:
   void expect_same(Renderer& renderer, const GaussianSet& set, const SensorRays& rays, const View& view) {
@@ -175,7 +174,7 @@ class Clusters : public testing::Test {
     }
   }
 
-  /// Close calls, sound and spoilt, and the street.
+  /// Tests clusters at the limits, valid and with unusable parameters, and the street.
   void expect_same(const SceneCase& scene, const Shot& shot, const RenderOptions& options = {}) {
     SCOPED_TRACE(scene.name);
     Renderer renderer(device_, options);
@@ -189,7 +188,7 @@ class Clusters : public testing::Test {
       if (HasFatalFailure()) return;
     }
     std::cout << scene.name << ": " << left_out_ << " of " << unseen_ << " unseen clusters left out\n";
-    EXPECT_GT(left_out_, unseen_ / 20);  // or nothing was tested
+    EXPECT_GT(left_out_, unseen_ / 20);  // otherwise nothing is tested
     EXPECT_GE(20 * out_of_sight_, 19 * left_out_);
     left_out_ = unseen_ = out_of_sight_ = 0;
   }
@@ -226,7 +225,8 @@ TEST_F(Clusters, ChangeNoBitThroughAnyLens) {
           LensKind::kOpencvPinhole,
           {-0.2, 0.05, 0.001, -0.001, 0, 0, 0, 0, 0, 0, 0, 0, kPi},
           60);
-  through("fisheye", LensKind::kOpencvFisheye, {0.004, 0.002, 0.0, 0.0005, 1.95}, 20);  // sees behind itself
+  // shows directions to the rear
+  through("fisheye", LensKind::kOpencvFisheye, {0.004, 0.002, 0.0, 0.0005, 1.95}, 20);
   through("F-theta", LensKind::kFtheta, {1.0, -0.02, 0.06, -0.095, 0.034, 1.0, 0.0, 0.0, 1.35}, 30);
   through(
       "F-theta, inverse", LensKind::kFthetaInverse, {1.0, 0.03, -0.08, 0.11, -0.03, 1.0, 0.0, 0.0, 1.3}, 30);
@@ -244,7 +244,7 @@ TEST_F(Clusters, ChangeNoBitWithActors) {
     shot.view.actors.push_back(shot.view.actors.front());
     shot.view.actors.back().is_there = false;
     expect_same(scene, shot);
-    // One whose shape reaches out by metres.
+    // An actor whose shape extends by metres.
     DeformationView& shape = shot.view.actors[1].deformation;
     shape.nodes = {2, 3, 2};
     shape.half_m = {2.0, 1.0, 0.8};

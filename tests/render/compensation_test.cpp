@@ -1,4 +1,4 @@
-// Opacity compensation of the footprint filter: the share of its opacity that a particle keeps.
+// Tests opacity compensation of the footprint filter: the remaining share of a particle's opacity.
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 namespace simuli {
 namespace {
 
-/// sqrt of the ratio of the areas that a particle has across `direction`, before and after `variance` is
-/// added: the covariance itself, cut by two axes across.
+/// Returns the square root of the ratio of a particle's areas across `direction`, before and after `variance`
+/// is added: of the covariance in two perpendicular axes.
 double kept_share(const test::SingleParticle& p, const Eigen::Vector3d& direction, double variance) {
   const Eigen::Matrix3d r = p.rotation.toRotationMatrix();
   const Eigen::Matrix3d covariance = r * p.scale.cwiseAbs2().asDiagonal() * r.transpose();
@@ -26,12 +26,13 @@ class OpacityCompensation : public testing::TestWithParam<Precision> {};
 TEST_P(OpacityCompensation, ScalesAlphaByTheAreaBeforeAndAfter) {
   const Device& device = test::device();
   if (GetParam() == Precision::kDouble) SIMULI_NEEDS_DOUBLE(device);
-  // The set's parameters are floats, those of the reference are not.
+  // The set's parameters are floats, the reference's are double.
   const double tolerance = GetParam() == Precision::kDouble ? 1e-7 : 1e-5;
   for (const test::SceneCase& scene : {test::kCameraRolling, test::kLidarMoving}) {
     const bool camera = scene.kind == SetKind::kCamera;
     test::Shot shot = test::shot_of(scene, camera ? 64 : 240, camera ? 48 : 16);
-    shot.view.scene_from_sensor_end = shot.view.scene_from_sensor_start;  // a pose to tell directions by
+    // equal poses, so that directions are known
+    shot.view.scene_from_sensor_end = shot.view.scene_from_sensor_start;
     shot.lidar.beam_divergence = 0.04;
     shot.lidar.divergence_variance = 1.0;
     const Eigen::Vector3d place(6.0, 0.8, -0.4);
@@ -43,7 +44,7 @@ TEST_P(OpacityCompensation, ScalesAlphaByTheAreaBeforeAndAfter) {
     RenderOptions options = paper_options();
     options.precision = GetParam();
     options.alpha_cut = 1e-6;
-    options.camera_filter_px2 = 0.3;  // wide enough to tell
+    options.camera_filter_px2 = 0.3;  // large enough for a measurable effect
     const auto alpha = [&](bool compensated) {
       RenderOptions chosen = options;
       chosen.camera_compensation = chosen.lidar_compensation = compensated;

@@ -1,5 +1,5 @@
-// Input at the edge of sense: nothing, one, unusable particles, sensors of one ray. Every output is finite,
-// and the background where nothing is.
+// Tests degenerate input: no particles, one, unusable particles, sensors of one ray. All outputs are finite,
+// and equal to the background without particles.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -18,21 +18,21 @@ using test::SceneCase;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kLargest = std::numeric_limits<float>::max();
-// Logits in float: T is 1 and features are the background to the last bits.
+// Float logits: T is 1 and features equal the background up to rounding.
 constexpr float kRounding = 1e-5F;
 
-/// One renderer, used again and again: buffers keep what larger frames have left in them.
+/// One renderer for all frames: its buffers keep values of larger frames.
 class Degenerate : public testing::TestWithParam<SceneCase> {
  protected:
   [[nodiscard]] bool camera() const { return GetParam().kind == SetKind::kCamera; }
   [[nodiscard]] test::Shot shot(int width, int height) const {
     test::Shot one = test::shot_of(GetParam(), width, height);
     one.view.background = {0.25F, -1.0F, 1.5F};
-    one.camera.fx = one.camera.fy = 24.0;  // of any size, no pixel so far off the axis that it has no ray
+    one.camera.fx = one.camera.fy = 24.0;  // for all sizes, all pixels have a ray
     return one;
   }
   [[nodiscard]] test::Shot usual_shot() const { return camera() ? shot(40, 36) : shot(80, 18); }
-  /// A particle in plain sight, opaque; row by row something becomes of it.
+  /// Returns visible opaque particles, some of which tests make unusable.
   [[nodiscard]] GaussianSet plain(Eigen::Index count) const {
     GaussianSet set(GetParam().kind, GetParam().sh_degree, count);
     set.mean().col(0).setConstant(6.0F);
@@ -42,7 +42,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
     set.sh(0).setConstant(0.3F);
     return set;
   }
-  /// Renders, takes gradients back and checks that all of it is finite.
+  /// Renders, computes gradients and checks that all are finite.
   RayResults render(const GaussianSet& set, const test::Shot& one) {
     const SensorRays rays = one.on(device_, options_);
     const ParticleBuffers particles(device_, set, Precision::kFloat);
@@ -57,7 +57,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
     RealBuffer grads(device_, "gradients", Precision::kFloat, particles.params.count());
     grads.fill(static_cast<double>(kNan));
     pass.backward(particles, grads);
-    // Nothing of the poison is left: what was culled has gradients of 0.
+    // Culled particles have gradients of 0.
     const std::vector<std::uint32_t> keys = pass.buffers().projected.keys.download();
     const std::vector<float> all = grads.download_float();
     gradients_.clear();
@@ -91,7 +91,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
     EXPECT_EQ(visible_, 0U);
     EXPECT_EQ(pairs_, 0U);
   }
-  /// Fills every buffer of the renderer with something to leave behind.
+  /// Fills all buffers of the renderer.
   void leave_traces() {
     const test::SetRecipe recipe{.count = 300, .low = {-8, -8, -3}, .high = {8, 8, 3}};
     const GaussianSet set = test::set_for(GetParam(), recipe, 3);
@@ -102,7 +102,7 @@ class Degenerate : public testing::TestWithParam<SceneCase> {
   Device device_ = test::device();
   RenderOptions options_ = paper_options();
   Renderer renderer_{device_, options_};
-  std::vector<float> gradients_;  // of what the last render did not cull
+  std::vector<float> gradients_;  // of particles that the last render did not cull
   std::uint32_t visible_ = 0, pairs_ = 0;
 };
 
@@ -121,7 +121,7 @@ TEST_P(Degenerate, NothingIsTheBackground) {
   GaussianSet transparent = plain(33);
   transparent.opacity_logit().setConstant(-1e30F);
   expect_background(render(transparent, usual), usual);
-  // Just one, in sight.
+  // One visible particle.
   const RayResults one = render(plain(1), usual);
   EXPECT_LT(*std::min_element(one.transmittance.begin(), one.transmittance.end()), 0.3F);
   EXPECT_EQ(visible_, 1U);
@@ -142,7 +142,7 @@ TEST_P(Degenerate, ParticlesThatAreNoNumberAreCulled) {
   GaussianSet zero = plain(1);
   zero.rotation().setZero();
   expect_background(render(zero, usual), usual);
-  // Others beside them are not disturbed: the same vector of lanes holds both.
+  // Other particles in the same vector of lanes are unaffected.
   const RayResults alone = render(plain(1), usual);
   GaussianSet mixed = plain(11);
   for (Eigen::Index i = 1; i < 11; ++i) mixed.params(i, (i * 7) % mixed.params.cols()) = kNan;
@@ -172,14 +172,14 @@ TEST_P(Degenerate, ExtremeValuesStayFinite) {
       set.params(0, row) = value;
       SCOPED_TRACE("row " + std::to_string(row) + " is " + std::to_string(value));
       static_cast<void>(render(set, usual));
-      // A large value moves or hides its particle, the other one is always seen.
+      // A large value moves or hides its particle; the other particle is always visible.
       EXPECT_GE(visible_, 1U);
       if (HasFatalFailure()) return;
     }
   }
   GaussianSet opaque = plain(1);
   opaque.opacity_logit().setConstant(1e30F);
-  opaque.log_scale().setConstant(2.0F);  // so wide that some ray is close to its middle
+  opaque.log_scale().setConstant(2.0F);  // so wide that some ray is close to its centre
   const RayResults shut = render(opaque, usual);
   // alpha is clamped at 0.999.
   EXPECT_NEAR(*std::min_element(shut.transmittance.begin(), shut.transmittance.end()), 0.001F, kRounding);
@@ -199,8 +199,8 @@ TEST_P(Degenerate, ParticlesAtAndAroundTheSensor) {
   at_origin.mean().row(0) = centre.transpose();
   expect_background(render(at_origin, usual), usual);
 
-  // A wide shell-less ball whose centre is half a metre ahead: in sight for the camera in all pixels; the
-  // LiDAR starts to see beyond 1 m, where the ball's maximum along a ray doesn't lie.
+  // A wide ball with its centre half a metre ahead: visible to the camera in all pixels; the LiDAR has a
+  // minimum range of 1 m, beyond the ball's maximum along a ray.
   GaussianSet around = plain(1);
   around.mean().row(0) = (centre + Eigen::Vector3f(0.5F, 0.0F, 0.0F)).transpose();
   around.log_scale().setConstant(2.0F);
@@ -211,7 +211,8 @@ TEST_P(Degenerate, ParticlesAtAndAroundTheSensor) {
     for (const float t : inside.transmittance) ASSERT_EQ(t, 1.0F);
   }
 
-  // Straight above and below a LiDAR there is no azimuth; a camera has them at the edge of its sight.
+  // Directly above and below a LiDAR the azimuth is undefined; a camera has these directions at the edge of
+  // its view.
   for (const float z : {-3.0F, 3.0F}) {
     GaussianSet pole = plain(1);
     pole.mean().row(0) = (centre + Eigen::Vector3f(0.0F, 0.0F, z)).transpose();
@@ -232,11 +233,11 @@ TEST_P(Degenerate, SensorsOfFewRays) {
     const test::Shot small = shot(size.width, size.height);
     const RayResults results = render(set, small);
     ASSERT_EQ(results.rays, static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
-    // Sensors this small are whole in the reference too: they see the same, ray for ray.
+    // The reference renders sensors this small completely: compares all rays.
     const auto expected =
         reference::render(reference::Particles(set), small.reference(), {}, {0.25, -1.0, 1.5});
     for (std::size_t i = 0; i < results.rays; ++i) {
-      constexpr double kDecided = 1e-3;  // a yes-or-no decision as close as this may go the other way
+      constexpr double kDecided = 1e-3;  // a decision within this margin may differ
       constexpr double kFloatTolerance = 3e-3;
       if (expected[i].margin < kDecided) continue;
       ASSERT_NEAR(static_cast<double>(results.transmittance[i]), expected[i].transmittance, kFloatTolerance);

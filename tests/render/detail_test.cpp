@@ -1,4 +1,4 @@
-// Levels of detail in frames: what is drawn, and how much of it, is what its distance says.
+// Tests that levels of detail are rendered with the share given by their distance.
 #include <cmath>
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 namespace simuli {
 namespace {
 
-/// Where a particle is half-way through the frame.
+/// Returns the position of a particle at mid frame.
 Eigen::Vector3d place_of(const GaussianSet& set, Eigen::Index i, const View& view) {
   const Eigen::Vector3d mean = set.mean().row(i).transpose().cast<double>();
   const std::uint32_t actor = set.actor.empty() ? 0U : set.actor[static_cast<std::size_t>(i)];
@@ -19,7 +19,7 @@ Eigen::Vector3d place_of(const GaussianSet& set, Eigen::Index i, const View& vie
   return interpolate(its.scene_from_actor_start, its.scene_from_actor_end, 0.5) * mean;
 }
 
-/// The share of each particle, by its distance alone, as an opacity.
+/// Applies each particle's share, from its distance, to its opacity.
 GaussianSet shared_out(const DetailLevels& levels, const View& view, double reach, std::size_t& part_way) {
   const Eigen::Vector3d centre =
       interpolate(view.scene_from_sensor_start, view.scene_from_sensor_end, 0.5).translation;
@@ -53,7 +53,7 @@ TEST_P(DetailInFrames, IsThatOfSharesByHand) {
     test::Shot shot = test::shot_of(scene, camera ? 64 : 240, camera ? 48 : 16);
     shot.view.actors = test::cars(0.4, 0.1);
     GaussianSet set = test::set_for(scene, {.count = 3000}, 11);
-    // Small ones, dense, a fifth of them on two cars.
+    // Small, dense particles, a fifth of them on two cars.
     set.log_scale().array() -= 1.5F;
     set.opacity_logit().array() -= 1.0F;
     for (Eigen::Index i = 0; i < set.size(); ++i) {
@@ -73,7 +73,7 @@ TEST_P(DetailInFrames, IsThatOfSharesByHand) {
     EXPECT_GT(levels.set.size(), set.size() + 50);
     ParticleBuffers particles(device, set, options);
     const std::vector<double> found = test::outputs(with.render(particles, rays, shot.view));
-    // Without its clusters: none is left out that should not be.
+    // Without clusters: no visible cluster is omitted.
     particles.cluster_stride = 0;
     EXPECT_EQ(test::outputs(with.render(particles, rays, shot.view)), found);
 
@@ -88,11 +88,11 @@ TEST_P(DetailInFrames, IsThatOfSharesByHand) {
     ASSERT_EQ(found.size(), expected.size());
     std::size_t off = 0, otherwise = 0;
     for (std::size_t i = 0; i < found.size(); ++i) {
-      // Sums of weights times metres are the largest of the outputs.
+      // Sums of weights times metres are the largest outputs.
       off += std::abs(found[i] - expected[i]) > tolerance.distance_m ? 1U : 0U;
       otherwise += std::abs(all[i] - expected[i]) > tolerance.distance_m ? 1U : 0U;
     }
-    // A contribution at the cut may be made or not.
+    // A contribution at the cut may differ.
     EXPECT_LE(off, found.size() / 1000);
     EXPECT_GT(otherwise, found.size() / 100);
   }

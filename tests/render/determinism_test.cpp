@@ -1,4 +1,5 @@
-// The same input gives the same bits, whatever the scheduling; other shapes and orders only round anew.
+// Tests that equal input gives equal bits for any scheduling; other shapes and orders only differ by
+// rounding.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -14,12 +15,12 @@ namespace {
 
 using test::SceneCase;
 
-/// What one training step leaves behind.
+/// Results of one training step.
 struct Step {
   std::vector<float> out, grads, params;
 };
 
-// Sums of up to 256 rays in another order: 1e-6 of the largest term, with room for cancellation.
+// Sums of up to 256 rays in another order: 1e-6 of the largest term, with a margin for cancellation.
 constexpr double kReorderedTolerance = 1e-4;
 
 GaussianSet crowd(const SceneCase& scene) {
@@ -65,7 +66,7 @@ void expect_same_bits(const std::vector<float>& a, const std::vector<float>& b) 
   EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(float)), 0);
 }
 
-/// |a - b| against |b|, both as vectors.
+/// Returns |a - b| / |b| of vectors.
 double relative_error(const std::vector<float>& a, const std::vector<float>& b) {
   double error2 = 0.0, size2 = 0.0;
   for (std::size_t i = 0; i < b.size(); ++i) {
@@ -86,7 +87,7 @@ TEST_P(Determinism, StepsRepeatBitForBit) {
   expect_same_bits(first.out, second.out);
   expect_same_bits(first.grads, second.grads);
   expect_same_bits(first.params, second.params);
-  // The step did something, so that equality says something.
+  // The step changed the parameters; otherwise equality proves nothing.
   const ParticleBuffers untouched(test::device(), set, Precision::kFloat);
   EXPECT_NE(
       std::memcmp(
@@ -111,7 +112,7 @@ void expect_shapes_agree(const SceneCase& scene, const std::vector<LaneShape>& s
 
 TEST_P(Determinism, ShapesAgreeButForRounding) { expect_shapes_agree(GetParam(), {test::kGpuShape}); }
 
-// Of devices with small groups; and vectors in groups, as no device has them unless it is told to.
+// Shapes of devices with small groups, and vectors in groups, which no device uses by default.
 TEST(OtherShapes, AgreeButForRounding) { expect_shapes_agree(test::kCameraStill, {{1, 4, 64}, {4, 4, 16}}); }
 
 TEST_P(Determinism, OrderOfParticlesIsNoMatter) {

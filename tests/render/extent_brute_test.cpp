@@ -1,5 +1,5 @@
-// extent = exact against sums over all particles in double, where the reference has no lens or particles are
-// no ordinary ones: lenses that fold, needles, discs, particles around and behind the sensor.
+// Tests extent = exact against sums over all particles in double for cases beyond the reference: folding
+// lenses, needles, discs, particles around and behind the sensor.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -19,8 +19,8 @@ using test::Shot;
 using test::SingleParticle;
 
 constexpr double kAlphaCut = 1.0 / 255.0;
-// A response this near to the cut (in its exponent) may be decided either way by a ray in float: needles
-// make 100 000 of its 6e-8.
+// A response this close to the cut (in its exponent) may be decided differently in float: needles amplify
+// 6e-8 by 100 000.
 constexpr double kUndecided = 0.02;
 // Relative to the transmittance; a lost contribution changes it by 1/255 or more.
 constexpr double kRounding = 2e-3;
@@ -31,7 +31,7 @@ struct Decided {
   bool sure = true;
 };
 
-/// One ray through all particles.
+/// Returns one ray through all particles.
 Decided through(const std::vector<SingleParticle>& particles,
                 const Vector3d& o,
                 const Vector3d& d,
@@ -54,7 +54,7 @@ Decided through(const std::vector<SingleParticle>& particles,
   return out;
 }
 
-/// The rays of `shot` at rest see all that meets them.
+/// Expects that the resting rays of `shot` include all contributions.
 void expect_nothing_lost(const Shot& shot, const std::vector<SingleParticle>& particles) {
   const Device& device = test::device();
   RenderOptions options;
@@ -105,7 +105,7 @@ Shot camera_of(const std::string& name, int width, int height) {
   return shot;
 }
 
-/// Before the camera of shot_of, which looks along x, and around it.
+/// Returns particles ahead of and around the camera of shot_of, which points along x.
 std::vector<SingleParticle> scattered(int count,
                                       double farthest_off_rad,
                                       double largest,
@@ -141,7 +141,7 @@ std::size_t pairs_of(const Shot& shot, const std::vector<SingleParticle>& partic
       .binned.pairs;
 }
 
-// The fold of these two lies within the cone that holds their picture.
+// The fold of these two lenses is within the cone of their picture.
 TEST(ExactExtentOfFoldedLenses, LosesNothing) {
   for (const char* const name : {"pandaset_back_camera", "pandaset_front_camera"}) {
     SCOPED_TRACE(name);
@@ -162,8 +162,8 @@ TEST(ExactExtentOfFoldedLenses, TestsNotMuchMoreThanUnscented) {
   }
 }
 
-/// Needles and discs of 1 : 10 000 in all directions, balls around the sensor, long ones that reach from
-/// behind it past it.
+/// Returns needles and discs of 1 : 10 000 in all directions, balls around the sensor, and long particles
+/// that extend from behind the sensor to its front.
 std::vector<SingleParticle> degenerate() {
   test::Random random(11);
   std::vector<SingleParticle> particles;
@@ -180,11 +180,11 @@ std::vector<SingleParticle> degenerate() {
       case 1:
         particle.scale = {size, size, 1e-4 * size};
         break;
-      case 2:  // the sensor is within it, at times
+      case 2:  // the sensor is inside in some cases
         particle.mean *= 0.1;
         particle.scale = {size, 2.0 * size, 3.0 * size};
         break;
-      default: {  // from behind the sensor to before it, some way aside
+      default: {  // from behind the sensor to its front, to one side
         const Vector3d aside(0.0, random.uniform(0.3, 2.0), random.uniform(-1.0, 1.0));
         particle.mean = Vector3d(-random.uniform(1.0, 6.0), 0.0, 0.0) + aside;
         particle.rotation = turn_between(Vector3d::UnitX(),

@@ -1,4 +1,4 @@
-// extent = exact: no contribution is lost, the bounds are tight, and extent = unscented does lose some.
+// Tests extent = exact: no contribution is lost, the bounds are tight, and extent = unscented loses some.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -19,12 +19,13 @@ using test::Shot;
 
 constexpr double kAlphaCut = 1.0 / 255.0;
 
-// Relative to the transmittance. A lost contribution changes it by 1/255 or more. Rays are kept in float for
-// either precision: 6e-8 against footprints of at least 3e-3 rad, times some ten contributors.
+// Relative to the transmittance. A lost contribution changes it by 1/255 or more. Rays are float in both
+// precisions: 6e-8 relative to footprints of at least 3e-3 rad, times about ten contributors.
 constexpr double kDoubleRounding = 3e-4;
 constexpr double kFloatRounding = 1.5e-3;
 
-/// Near and far, behind and around the sensor, as long as 5 m and up to 100 times as long as thick.
+/// Returns near and far particles, also behind and around the sensor, up to 5 m long and up to 100 times
+/// longer than thick.
 GaussianSet awkward_set(SetKind kind, std::uint64_t seed) {
   test::Random random(seed);
   std::vector<test::SingleParticle> particles;
@@ -42,7 +43,7 @@ GaussianSet awkward_set(SetKind kind, std::uint64_t seed) {
   return test::set_of(kind, particles);
 }
 
-/// How many rays the reference decides, and how many of these differ by more than the rounding.
+/// Number of rays with certain decisions of the reference, and number of differing rays.
 struct Comparison {
   std::size_t compared = 0;
   std::size_t covered = 0;
@@ -97,7 +98,8 @@ Shot camera_shot(bool moving) {
   return test::shot_of({"camera", SetKind::kCamera, moving, false, 0}, 60, 44);
 }
 
-/// `scale`: focal lengths of small_camera(). 0.9: 60 degrees off axis in the corners; 0.4: more than 100.
+/// `scale`: factor of focal lengths of small_camera(). 0.9: 60 degrees off axis in the corners; 0.4: more
+/// than 100 degrees.
 Shot fisheye_shot(double scale, bool moving) {
   Shot shot = camera_shot(moving);
   shot.camera.lens = Lens(LensKind::kOpencvFisheye, {0.02, -0.004, 0.0, 0.0, kPi});
@@ -119,7 +121,7 @@ Shot panorama_shot() {
   return shot;
 }
 
-/// Beams with lever arms and a divergence, measured rays (off their rows, jittered in time).
+/// Beams with lever arms and a divergence, measured rays (azimuth offsets and time jitter).
 Shot lidar_shot(bool moving, bool measured, SpinDirection spin) {
   Shot shot = test::shot_of({"lidar", SetKind::kLidar, moving, measured, 0}, 120, 16);
   shot.lidar.beam_divergence = 0.012;
@@ -168,7 +170,7 @@ TEST(ExactExtent, UnscentedLosesSomething) {
   EXPECT_GT(c.worst, kAlphaCut);
 }
 
-/// Smallest and largest of what is seen of an ellipsoid.
+/// Minimum and maximum of an ellipsoid's projection.
 struct Span {
   double low = 1e30, high = -1e30;
   void add(double value) {
@@ -178,9 +180,10 @@ struct Span {
   [[nodiscard]] double width() const { return high - low; }
 };
 
-/// Points on the surface of particle i's cutoff ellipsoid: affine images of a fine spiral on the sphere.
+/// Returns points on the surface of particle i's cutoff ellipsoid: affine images of a fine spiral on the
+/// sphere.
 std::vector<Vector3d> surface(const GaussianSet& set, Eigen::Index i) {
-  constexpr int kPoints = 20000;  // the outermost is within 1e-3 of the half width
+  constexpr int kPoints = 20000;  // the outermost point is within 1e-3 of the half-width
   const double opacity = 1.0 / (1.0 + std::exp(-static_cast<double>(set.opacity_logit()(i))));
   const double reach = std::sqrt(2.0 * std::log(opacity / kAlphaCut));
   const Eigen::Vector4d q = set.rotation().row(i).transpose().cast<double>();
@@ -198,7 +201,7 @@ std::vector<Vector3d> surface(const GaussianSet& set, Eigen::Index i) {
   return points;
 }
 
-/// What the kernels wrote of each particle.
+/// Boxes of the particles in device buffers.
 struct Boxes {
   std::vector<double> records;
   std::vector<shared::Footprint> footprints;
@@ -207,7 +210,7 @@ struct Boxes {
     RenderOptions options;
     options.extent = Extent::kExact;
     options.camera_filter_px2 = 0.0;
-    options.culling = Culling::kOff;  // what lies between two columns has a box as well
+    options.culling = Culling::kOff;  // particles between two columns also have a box
     Renderer renderer(device, options);
     const SensorRays rays = shot.on(device, options);
     Pass pass = renderer.render(ParticleBuffers(device, set, options.precision), rays, shot.view);
@@ -219,7 +222,7 @@ struct Boxes {
   }
 };
 
-/// In front of the sensor, 2 to 12 m away; most are seen as one compact thing.
+/// Returns particles ahead of the sensor at 2 to 12 m; most have a compact projection.
 GaussianSet set_ahead(SetKind kind) {
   test::Random random(9);
   std::vector<test::SingleParticle> particles;
@@ -234,8 +237,8 @@ GaussianSet set_ahead(SetKind kind) {
   return test::set_of(kind, particles);
 }
 
-// A box is wider than the sampled silhouette by its own padding (a thousandth of the width on either side)
-// and what sampling misses. Boxes 2 % too small or too large fail.
+// A box exceeds the sampled silhouette by its padding (a thousandth of the width on either side) and the
+// sampling error. Boxes 2 % too small or too large fail.
 constexpr double kTight = 0.005;
 
 TEST(ExactExtent, BoundsPinholeSilhouettesTightly) {
@@ -247,14 +250,14 @@ TEST(ExactExtent, BoundsPinholeSilhouettesTightly) {
   for (Eigen::Index i = 0; i < set.size(); ++i) {
     Span x, y;
     bool in_picture = true;
-    for (const Vector3d& p : surface(set, i)) {  // the camera looks along x, z is up
+    for (const Vector3d& p : surface(set, i)) {  // the camera points along x, z is up
       if (p.x() < 0.1) in_picture = false;
       x.add(shot.camera.cx - shot.camera.fx * p.y() / p.x());
       y.add(shot.camera.cy - shot.camera.fy * p.z() / p.x());
     }
     if (!in_picture || x.low < 0 || x.high > 400 || y.low < 0 || y.high > 400) continue;
     const auto& footprint = boxes.footprints[static_cast<std::size_t>(i)];
-    if (SIM_TILES(footprint) == 0) {  // between the pixels' centres
+    if (SIM_TILES(footprint) == 0) {  // between the pixel centres
       EXPECT_LT(std::min(x.width(), y.width()), 1.0) << "particle " << i;
       continue;
     }
@@ -278,7 +281,7 @@ TEST(ExactExtent, BoundsPinholeSilhouettesTightly) {
 
 TEST(ExactExtent, BoundsLidarSilhouettesTightly) {
   constexpr double kPadding_rad = 1e-5;
-  // Elevations are bounded over the whole width at once: some per cent more than there is.
+  // Elevations are bounded over the complete width: some percent too large.
   constexpr double kTightElevation = 0.1;
   Shot shot = test::shot_of({"lidar", SetKind::kLidar, false, false, 0}, 64, 1024);
   const GaussianSet set = set_ahead(SetKind::kLidar);

@@ -1,4 +1,5 @@
-// Every built-in LiDAR in tiles and on the device: each ray has its slot and meets what stands on it.
+// Tests all built-in LiDARs in tiles and on the device: each ray has a slot and intersects the particles on
+// it.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -13,8 +14,8 @@
 namespace simuli {
 namespace {
 
-// A ray through the middle of a particle of opacity 0.95 keeps 0.05; a particle that its tile does not list
-// leaves it 1.
+// A ray through the centre of a particle of opacity 0.95 has a transmittance of 0.05; a particle missing in
+// the tile's list gives 1.
 constexpr float kHit = 0.3F;
 
 TEST(LidarTables, EveryRayOfEveryTableHasOneSlotInItsTile) {
@@ -43,7 +44,8 @@ TEST(LidarTables, EveryRayOfEveryTableHasOneSlotInItsTile) {
   }
 }
 
-/// Small balls on some rays of `sensor`, at each ray's own time; the rays' indices go to `chosen`.
+/// Places small balls on some rays of `sensor`, at each ray's own time; returns the rays' indices in
+/// `chosen`.
 GaussianSet balls_on_rays(const BuiltinLidar& sensor,
                           const Pose& start,
                           const Pose& end,
@@ -103,7 +105,7 @@ TEST(LidarTables, MovingRaysMeetWhatStandsOnThem) {
   expect_hits(start, end);
 }
 
-/// Transmittance of all rays over one ball of radius 12 cm at `p_sensor`.
+/// Returns the transmittance of all rays past a ball of radius 12 cm at `p_sensor`.
 std::vector<float> past_ball(const Lidar& lidar, const LidarRays& rays, const Eigen::Vector3d& p_sensor) {
   const Device& device = test::device();
   Renderer renderer(device, paper_options());
@@ -136,7 +138,7 @@ TEST(LidarTables, MeasuredRaysTakeTheSameRoad) {
   const Lidar lidar = builtin_lidar("velodyne_hdl64e_s2_sztaki");
   LidarRays rays = nominal_rays(lidar);
   const std::size_t ray = 20 * static_cast<std::size_t>(lidar.columns) + 1234;
-  // A measured ray off its nominal direction by half a column, with its own time.
+  // A measured ray with an offset of half a column and its own time.
   rays.azimuth[ray] += static_cast<float>(0.5 * lidar.azimuth_span / lidar.columns);
   rays.time_fraction[ray] += 1e-4F;
   const double azimuth = static_cast<double>(rays.azimuth[ray]);

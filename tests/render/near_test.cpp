@@ -1,4 +1,4 @@
-// render.camera_near_m: what is nearer to a camera than that is not seen, and nothing else changes.
+// Tests render.camera_near_m: nearer particles are invisible to a camera; all others are unchanged.
 #include <gtest/gtest.h>
 
 #include "tests/cl/support.hpp"

@@ -1,4 +1,4 @@
-// What a pass refuses, each with one line of Error{kUsage}, and what it keeps alive.
+// Tests the errors of a pass, each one line of Error{kUsage}, and the lifetime of its data.
 #include <algorithm>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -95,7 +95,7 @@ TEST_F(Passes, AreNotOfThingsMadeWithOtherOptions) {
   const ParticleBuffers of_actors(device_, riding, kFloat);
   refused("found a view of 0 actors, allowed the 2 that particles belong to",
           [&] { (void)renderer_.render(of_actors, camera_, picture_.view); });
-  // Nothing of that was a frame: the last one is still the last.
+  // Failed calls are no frames: the last frame is unchanged.
   const Pass pass = camera_pass();
   refused("rays: render.camera",
           [&] { (void)renderer_.render(camera_set_, picture_.on(device_, wide), picture_.view); });
@@ -162,7 +162,7 @@ TEST_F(Passes, GoBackInOrder) {
 }
 
 TEST_F(Passes, TakeGradientsInTheOrderOfRays) {
-  // One ray's feature alone has a gradient: it is that of what the device has in this ray's slot.
+  // Only one ray's feature has a gradient: it equals the gradient of the ray's slot on the device.
   const Pass last = lidar_pass();
   const std::vector<float> distance = last.results().distance;
   const auto best =

@@ -1,6 +1,5 @@
-// What a frame does not need compiles to nothing and takes no memory: a part that is said to be absent leaves
-// the same programs, buffers and bits as one that was never mentioned (bench/trade/plan.hpp measures the
-// times).
+// Tests that unused parts of a frame have no code and no memory: a part configured as absent gives the same
+// programs, buffers and bits as a part never configured (bench/trade/plan.hpp measures the times).
 #include <gtest/gtest.h>
 #include <set>
 #include <string>
@@ -13,14 +12,14 @@
 namespace simuli {
 namespace plan_test {
 
-/// What a frame leaves behind.
+/// Programs, buffers and results of a frame.
 struct Traces {
   std::set<std::string> programs;
   std::uint64_t peak_bytes = 0;
   std::vector<double> outputs;
 };
 
-/// Renders on a device of its own; with `scene` as the commands do, through its appearance.
+/// Renders on a separate device; with `scene` through its appearance, as the commands do.
 Traces traces_of(const GaussianSet& set,
                  const test::Shot& shot,
                  const RenderOptions& options,
@@ -31,7 +30,7 @@ Traces traces_of(const GaussianSet& set,
   const SensorRays rays = shot.on(device, options);
   const auto through_appearance = [&] {
     AppearanceOnDevice appearance(device, *scene, options.precision);
-    const Camera camera{.name = "camera"};  // it has the scene's grid at any time
+    const Camera camera{.name = "camera"};  // has the scene's grid at any time
     return appearance.render(renderer, particles, rays, shot.view, &camera, Shot{});
   };
   const Pass pass = scene == nullptr ? renderer.render(particles, rays, shot.view) : through_appearance();
@@ -102,7 +101,7 @@ TEST(Plan, BandsThatAreLeftOutAreNotThere) {
   RenderOptions options = paper_options();
   options.sh_degree = 0;
   expect_same(traces_of(set, shot, options), never);
-  options.sh_direction = ShDirection::kRay;  // colours look alike from everywhere
+  options.sh_direction = ShDirection::kRay;  // colours are equal in all directions
   expect_same(traces_of(set, shot, options), never);
   expect_more(traces_of(set, shot, paper_options()), never);
 }

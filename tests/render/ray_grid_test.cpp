@@ -1,4 +1,4 @@
-// Rays in tiles: each in one slot, in the tile that particles on it are listed in.
+// Tests rays in tiles: each in one slot, in the tile whose list contains particles on the ray.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -16,7 +16,7 @@
 namespace simuli {
 namespace {
 
-/// Every ray has exactly one slot, empty slots carry nothing, directions have unit length.
+/// Expects that each ray has exactly one slot, empty slots are zero, and directions have unit length.
 void expect_complete(const RayGrid& grid) {
   const std::size_t slots = grid.frame.slots;
   ASSERT_EQ(slots, std::size_t{grid.frame.tiles_x} * grid.frame.tiles_y * grid.frame.tile_rays);
@@ -43,8 +43,8 @@ void expect_complete(const RayGrid& grid) {
   ASSERT_TRUE(std::all_of(seen.begin(), seen.end(), [](int times) { return times == 1; }));
 }
 
-/// The slots of a sweep lie in their beam's slot rows and in the tile column of their spin angle, which is
-/// that of their azimuth in the turn of their time.
+/// Expects that slots of a sweep are in their beam's slot rows and in the tile column of their spin angle,
+/// the azimuth in the revolution of their time.
 void expect_lidar_places(const RayGrid& grid, const LidarRays& rays) {
   const auto& frame = grid.frame;
   const double first = grid.model.tile_first;
@@ -86,14 +86,14 @@ LidarRays jittered(const Lidar& lidar, double share_of_column, std::uint64_t see
 TEST(RayGrid, PicturesOfAnySizeAreComplete) {
   for (const auto& [width, height] : {std::pair(1, 1), {16, 16}, {17, 33}, {100, 15}, {31, 1}, {1, 100}}) {
     Camera camera = test::small_camera(width, height, ShutterKind::kTopToBottom);
-    camera.fx = camera.fy = 60.0;  // no pixel so far off the axis that it has no ray
+    camera.fx = camera.fy = 60.0;  // all pixels have a ray
     const RayGrid grid = make_ray_grid(camera, {});
     ASSERT_EQ(grid.rays, static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     expect_complete(grid);
     for (std::size_t slot = 0; slot < grid.ray_of_slot.size(); ++slot) {
       const std::int32_t ray = grid.ray_of_slot[slot];
       if (ray < 0) continue;
-      // A pixel's tile and block are those of its column and row.
+      // A pixel's tile and block follow from its column and row.
       const int x = ray % width, y = ray / width;
       const auto tile = static_cast<int>(slot / SIM_TILE_RAYS);
       const auto columns = static_cast<int>(grid.frame.tiles_x);
@@ -139,7 +139,7 @@ TEST(RayGrid, PartOfATurnAndAzimuthsFromAnywhere) {
   expect_complete(grid);
   expect_lidar_places(grid, narrow);
 
-  // Counted from 0 to 2 pi instead of from -pi to pi: the same tiles, the same places.
+  // Azimuths from 0 to 2 pi instead of -pi to pi: the same tiles and positions.
   const Lidar full = test::small_lidar(8, 400);
   const LidarRays centred = nominal_rays(full);
   LidarRays turned = centred;
@@ -183,7 +183,7 @@ TEST(RayGrid, WrongRaysAreRefused) {
   refused([](LidarRays& r) { r.azimuth[7] = kNan; }, "ray 7");
   refused([](LidarRays& r) { r.elevation[8] = kNan; }, "ray 8");
   refused([](LidarRays& r) { r.time_fraction[9] = std::numeric_limits<float>::infinity(); }, "ray 9");
-  // More rays of one beam in one direction than any tile holds.
+  // More rays of one beam in one direction than a tile holds.
   const Lidar dense = test::small_lidar(4, 3000);
   LidarRays bundled = nominal_rays(dense);
   std::fill(bundled.azimuth.begin(), bundled.azimuth.end(), 0.5F);
@@ -192,7 +192,7 @@ TEST(RayGrid, WrongRaysAreRefused) {
       std::string::npos);
 }
 
-/// Places a small particle on every sampled ray, 20 m out, renders, and looks at those rays.
+/// Places a small particle on each sampled ray at 20 m, renders, and checks these rays.
 void expect_small_particles_seen(const test::Shot& shot, const std::vector<std::size_t>& sampled) {
   const Device& device = test::device();
   const auto rays = reference::rays(shot.reference());
@@ -202,7 +202,7 @@ void expect_small_particles_seen(const test::Shot& shot, const std::vector<std::
                          .scale = Eigen::Vector3d::Constant(0.03),
                          .opacity = 0.9});
   }
-  // The degree of a variant that other tests have compiled.
+  // The degree of a variant compiled for other tests.
   const GaussianSet flat = test::set_of(shot.kind, particles);
   GaussianSet set(shot.kind, 1, flat.size());
   set.params.leftCols(flat.params.cols()) = flat.params;
@@ -211,13 +211,13 @@ void expect_small_particles_seen(const test::Shot& shot, const std::vector<std::
   const SensorRays on_device = shot.on(device, options);
   const RayResults results =
       renderer.render(ParticleBuffers(device, set, options.precision), on_device, shot.view).results();
-  // The particle's middle takes 0.9 of the light; float positions 20 m out are 1e-6 m off.
+  // The particle's centre absorbs 0.9; float positions at 20 m have an error of 1e-6 m.
   for (const std::size_t ray : sampled) ASSERT_LT(results.transmittance[ray], 0.105F) << "ray " << ray;
-  // A ray without a particle of its own sees next to nothing: the test above can fail.
+  // A ray without its own particle has a high transmittance: the test above can fail.
   EXPECT_GT(*std::max_element(results.transmittance.begin(), results.transmittance.end()), 0.95F);
 }
 
-/// A ray or two of every tile, never neighbours.
+/// Returns one or two rays of each tile, never neighbours.
 std::vector<std::size_t> sample_of_tiles(const RayGrid& grid) {
   std::vector<std::size_t> sampled;
   const std::size_t tile_rays = grid.frame.tile_rays;
@@ -240,7 +240,7 @@ TEST(SmallParticles, AreSeenInEveryTileOfASweepAndAtItsSeam) {
   for (const double jitter : {0.0, 0.4}) {
     if (jitter > 0.0) shot.rays = jittered(shot.lidar, jitter, 5);
     std::vector<std::size_t> sampled = sample_of_tiles(make_ray_grid(test::device(), shot.lidar, shot.rays));
-    // Both sides of the seam at +-pi, which is also the sweep's cut: first and last firings of each beam.
+    // Both sides of the seam at +-pi, which is also the sweep's cut: first and last columns of each beam.
     std::size_t low = 0, high = 0;
     for (std::size_t row = 0; row < 20; ++row) {
       const std::size_t first = row * 150;

@@ -1,4 +1,4 @@
-// Rays without rows: in tiles, and on the device against the sensor that has rows.
+// Tests ray lists: in tiles, and on the device against a sensor with beams.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -14,7 +14,8 @@ namespace ray_list_test {
 
 constexpr float kHit = 0.3F;  // as in lidar_tables_test.cpp
 
-/// Petals about the x axis, as two turning prisms make them: neighbours in time are none in angle.
+/// Returns a rosette about the x axis, as made by two rotating prisms: neighbours in time are no neighbours
+/// in angle.
 RayList rosette(std::size_t rays) {
   RayList list;
   list.name = "rosette";
@@ -47,7 +48,7 @@ RayList list_of(const Lidar& lidar, const LidarRays& rays) {
   return list;
 }
 
-/// Every ray in one slot, in the tile of its azimuth and in a row whose elevations hold it.
+/// Expects each ray in one slot, in the tile of its azimuth and in a row whose elevations contain it.
 void expect_complete(const RayList& list, const RayGrid& grid) {
   ASSERT_EQ(grid.rays, list.ray_count());
   const std::size_t rows = grid.frame.rows;
@@ -87,7 +88,7 @@ TEST(RayListGrid, AnyListIsComplete) {
     const RayList list = rosette(rays);
     const RayGrid grid = make_ray_grid(device, list);
     expect_complete(list, grid);
-    // Tiles pay: most of their slots hold a ray once there are many.
+    // Large lists use most slots of their tiles.
     if (rays == 24000U) {
       EXPECT_LT(grid.frame.slots, 3 * rays);
     }
@@ -171,7 +172,7 @@ TEST(RayListGrid, ListedRaysSeeWhatTheRowsSee) {
     double sum = 0.0;
     int hit = 0;
     for (std::size_t ray = 0; ray < expected.size(); ++ray) {
-      // Boxes of a list are wider: it keeps the tails that the box of a row clips.
+      // Boxes of a list are wider: they include tails that a beam's box cuts off.
       ASSERT_NEAR(found[ray], expected[ray], 0.12F) << "ray " << ray;
       sum += std::abs(static_cast<double>(found[ray]) - static_cast<double>(expected[ray]));
       hit += expected[ray] < 0.9F ? 1 : 0;

@@ -1,4 +1,4 @@
-// The OpenCL forward pass against the sequential double-precision reference (tests/support).
+// Tests the OpenCL forward pass against the sequential double-precision reference (tests/support).
 #include <gtest/gtest.h>
 #include <string>
 
@@ -52,7 +52,7 @@ TEST_P(Forward, MatchesTheReference) {
   test::expect_drop_logits(results, shot.view, scene.kind);
 }
 
-// Every variant is seconds of compile time: shapes and precisions meet on the cases that differ most.
+// Each variant takes seconds to compile: shapes and precisions are tested with the most different cases.
 INSTANTIATE_TEST_SUITE_P(
     All,
     Forward,

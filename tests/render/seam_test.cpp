@@ -1,4 +1,4 @@
-// The cut of a sweep: where it lies must not matter, and what stands at it is met as the geometry says.
+// Tests the cut of a sweep: its azimuth does not matter, and particles at the cut are measured correctly.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <vector>
@@ -11,9 +11,9 @@ namespace simuli {
 namespace {
 
 constexpr double kQuarter = kPi / 2.0;
-constexpr int kColumns = 160;  // divisible by four: a quarter turn is a whole number of columns
+constexpr int kColumns = 160;  // divisible by four: a quarter revolution is a whole number of columns
 
-/// Transmittance of every ray of a sweep of `lidar` over `set`, row-major.
+/// Returns the transmittance of each ray of a sweep of `lidar` over `set`, row-major.
 std::vector<float> sweep(const GaussianSet& set, const Lidar& lidar, const Pose& start, const Pose& end) {
   const Device& device = test::device();
   const RenderOptions options = paper_options();
@@ -33,13 +33,13 @@ GaussianSet scene() {
   recipe.scale_min = 0.05;
   recipe.scale_max = 0.8;
   GaussianSet set = test::random_set(recipe, 21);
-  set.mean().row(0).setZero();  // one particle is all around the sensor
+  set.mean().row(0).setZero();  // one particle surrounds the sensor
   set.log_scale().row(0).setZero();
   return set;
 }
 
 TEST(Seam, SweepsAgreeWhereverTheyStart) {
-  // At rest: every direction is looked at, whatever its time.
+  // At rest: the time of a direction does not matter.
   const GaussianSet set = scene();
   Lidar lidar = test::small_lidar(20, kColumns);
   for (const SpinDirection spin : {SpinDirection::kCounterClockwise, SpinDirection::kClockwise}) {
@@ -55,8 +55,8 @@ TEST(Seam, SweepsAgreeWhereverTheyStart) {
           const int turned = (column + quarter * kColumns / 4) % kColumns;
           const float a = found[static_cast<std::size_t>(row * kColumns + column)];
           const float b = from_zero[static_cast<std::size_t>(row * kColumns + turned)];
-          // Azimuths are floats and boxes end somewhere: a ray on the very edge of a box may fall on the
-          // other side, which is worth no more than the clipped tail of one particle.
+          // Azimuths are floats and boxes have ends: a ray on the edge of a box may be on the other side,
+          // which changes it by the clipped tail of one particle.
           clipped += std::abs(a - b) > 1e-4F ? 1 : 0;
           ASSERT_NEAR(a, b, 0.03F) << "quarter " << quarter << " row " << row << " column " << column;
         }
@@ -67,7 +67,7 @@ TEST(Seam, SweepsAgreeWhereverTheyStart) {
 }
 
 TEST(Seam, TurningTheSensorFrameChangesNothing) {
-  // Moving: the same rays at the same times in the world, with azimuths counted from elsewhere.
+  // In motion: the same rays at the same times in the world, with another zero of the azimuths.
   const GaussianSet set = scene();
   Pose start, end;
   end.translation = {1.5, -0.6, 0.1};
@@ -89,8 +89,8 @@ TEST(Seam, TurningTheSensorFrameChangesNothing) {
   }
 }
 
-/// Rays of the first and of the last quarter of the sweep that meet a ball dead astern, where the sweep
-/// starts.
+/// Returns the numbers of rays in the first and the last quarter of the sweep that hit a ball behind the
+/// sensor, where the sweep starts.
 std::pair<int, int> seen_at_both_ends(const Pose& end) {
   test::SingleParticle ball;
   ball.mean = {-10.0, 0.0, -1.3};
@@ -114,17 +114,17 @@ TEST(Seam, WhatStandsAtTheCutIsMetAsTheGeometrySays) {
   const auto [first_half, last_half] = seen_at_both_ends(end);
   EXPECT_GT(first_half, 0);
   EXPECT_GT(last_half, 0);
-  // Yaw with the spin (90 degrees/s): the sweep goes 9 degrees further, over the whole ball a second time.
+  // Yaw with the spin (90 degrees/s): the sweep covers 9 degrees more, and the complete ball a second time.
   end.rotation = Eigen::AngleAxisd(0.157, Eigen::Vector3d::UnitZ());
   const auto [first_yaw, last_yaw] = seen_at_both_ends(end);
   EXPECT_NEAR(first_yaw, first_half, 3);
   EXPECT_GE(last_yaw, 2 * last_half - 3);
-  // Yaw against it: the sweep ends before it comes round.
+  // Yaw against the spin: the sweep ends before the ball.
   end.rotation = Eigen::AngleAxisd(-0.157, Eigen::Vector3d::UnitZ());
   const auto [first_back, last_back] = seen_at_both_ends(end);
   EXPECT_GT(first_back, 0);
   EXPECT_EQ(last_back, 0);
-  // A step of 1 m to the right brings it up again early, one to the left too late.
+  // A motion of 1 m to the right shows the ball again early, a motion to the left too late.
   end.rotation.setIdentity();
   end.translation = {0.0, -1.0, 0.0};
   EXPECT_GE(seen_at_both_ends(end).second, 2 * last_half - 3);

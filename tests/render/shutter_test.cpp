@@ -1,5 +1,5 @@
-// The time at which a moving sensor sees a particle: found where there is just one, and no particle lost
-// where there are several or none. The truth are the rays, each from the pose at its own time.
+// Tests the measurement time of a particle for a moving sensor: found if unique, and no particle is lost if
+// there are several times or none. The reference are rays from the pose at their own time.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -25,7 +25,8 @@ constexpr ShutterKind kRolling[] = {ShutterKind::kTopToBottom,
                                     ShutterKind::kLeftToRight,
                                     ShutterKind::kRightToLeft};
 
-/// A camera at `start` that moves by `step_m` and turns by `turn_rad` (axis and angle) during the frame.
+/// Returns a camera at `start` that moves by `step_m` and rotates by `turn_rad` (axis and angle) during the
+/// frame.
 Shot camera_shot(ShutterKind shutter, const Vector3d& step_m, const Vector3d& turn_rad) {
   Shot shot = test::shot_of({"camera", SetKind::kCamera, true, false, 0}, 60, 44);
   shot.camera.shutter = shutter;
@@ -52,7 +53,7 @@ Shot lidar_shot(SpinDirection spin, const Vector3d& step_m, double yaw_rad) {
   return shot;
 }
 
-/// One particle on each of `count` rays drawn at random, [nearest, farthest] metres along it: each is seen.
+/// Returns one particle on each of `count` random rays, at [nearest, farthest] metres.
 std::vector<test::SingleParticle> on_rays(const Shot& shot,
                                           int count,
                                           double nearest,
@@ -74,14 +75,14 @@ std::vector<test::SingleParticle> on_rays(const Shot& shot,
   return particles;
 }
 
-/// How many rays the brute force decides, and of how many the picture differs.
+/// Number of rays with certain decisions by brute force, and number of differing rays.
 struct Comparison {
   std::size_t compared = 0;
   std::size_t covered = 0;
   std::size_t different = 0;
 };
 
-/// `lost`: least relative change of the transmittance that counts as a difference.
+/// `lost`: minimum relative change of the transmittance that counts as a difference.
 Comparison compare(const Shot& shot,
                    const std::vector<test::SingleParticle>& particles,
                    const RenderOptions& options,
@@ -113,12 +114,12 @@ Comparison compare(const Shot& shot,
   return comparison;
 }
 
-// Boxes end where alpha falls to 1/255 of a normal distribution; what they cut off of sub-pixel particles is
-// a few times that. A particle that is not found costs half of the light.
+// Boxes end where alpha is 1/255 of a normal distribution; for sub-pixel particles they cut off a few times
+// that. A lost particle changes the transmittance by one half.
 constexpr double kClipped = 0.02;
 constexpr double kRounding = 2e-3;
 
-/// What one unit of speed is: the image crosses the picture as fast as the shutter does.
+/// Unit of speed: the image crosses the picture as fast as the shutter.
 constexpr double kDistance_m = 4.0;
 Vector3d crossing_m(const Camera& camera, ShutterKind shutter) {
   switch (shutter) {
@@ -146,7 +147,7 @@ void expect_found_at(double speed, const RenderOptions& options, double lost) {
   }
 }
 
-// With the rows and against them; at 1 an image keeps up with its row.
+// With the rows and against them; at speed 1 an image keeps up with its row.
 constexpr double kSpeeds[] = {0.3, 0.9, 1.0, 1.1, 3.0, -1.0, -3.0};
 
 TEST(Shutter, LosesNoParticleWhateverTheSpeed) {
@@ -173,7 +174,7 @@ TEST(Shutter, BoundsTakeOverWhereOneLookIsNotEnough) {
 }
 
 TEST(Shutter, LosesNoParticleToATurnFasterThanItsRows) {
-  // 80 degrees across 60 px: a turn of one picture and more within the frame.
+  // 80 degrees across 60 px: a rotation by one picture and more within the frame.
   for (const double turn : {1.5, -1.5, 2.5}) {
     for (const ShutterKind shutter : kRolling) {
       const Shot shot = camera_shot(shutter, {0.1, 0.0, 0.0}, {0.0, 0.3 * turn, turn});
@@ -191,7 +192,7 @@ TEST(Shutter, LosesNoParticleOfALidarThatPassesIt) {
     options.extent = extent;
     const double lost = extent == Extent::kExact ? kRounding : kClipped;
     for (const SpinDirection spin : {SpinDirection::kCounterClockwise, SpinDirection::kClockwise}) {
-      // At 30 m/s; at ten times that, past particles at 1 to 4 m; turning with and against the spin.
+      // At 30 m/s; at ten times that speed, past particles at 1 to 4 m; rotation with and against the spin.
       for (const auto& [step_m, yaw_rad] : {std::pair(3.0, 0.1), {30.0, 0.0}, {3.0, 2.9}, {3.0, -2.9}}) {
         const Shot shot = lidar_shot(spin, {step_m, 0.4, 0.0}, yaw_rad);
         const auto particles = on_rays(shot, 60, 1.0, 4.0, kSmallest_m, nullptr);
@@ -203,7 +204,7 @@ TEST(Shutter, LosesNoParticleOfALidarThatPassesIt) {
   }
 }
 
-/// What a render left of each particle: its places along x and its rows.
+/// Positions along x and rows of each particle in a frame.
 struct Found {
   std::vector<double> mean_x, other_x, half_x;
   std::vector<shared::Footprint> footprints;
@@ -228,10 +229,10 @@ Found find(const Shot& shot, const std::vector<test::SingleParticle>& particles,
 }
 
 void expect_ordinary_speeds_settle(Precision precision) {
-  // 30 m/s for 30 ms and 90 degrees/s: the ray that a particle lies on is where its box is. A settled time is
-  // within 3/32 of a row where images move at three quarters of the row speed; here they are a third of it.
+  // 30 m/s for 30 ms and 90 degrees/s: the box is at the particle's ray. A converged time is within 3/32 of a
+  // row for images at three quarters of the row speed; here they have a third of it.
   constexpr double kSettled_px = 0.03, kSettled_rad = 1e-3;
-  // Off axis pixels are seen at a slant: up to 1 / cos^2 = 2.4 in the corners.
+  // Off-axis pixels are oblique: up to 1 / cos^2 = 2.4 in the corners.
   const double widest_px = std::sqrt(2.0 * std::log(255.0 * kOpacity) * 0.3) * 2.4;
   for (const ShutterKind shutter : kRolling) {
     const Shot shot = camera_shot(shutter, {0.9, 0.1, 0.0}, {0.0, 0.01, 0.047});
@@ -242,7 +243,7 @@ void expect_ordinary_speeds_settle(Precision precision) {
       const auto x = static_cast<double>(where[i] % 60) + 0.5;
       const auto y = static_cast<std::uint32_t>(where[i] / 60);
       EXPECT_NEAR(found.mean_x[i], x, kSettled_px) << i;
-      EXPECT_LT(found.half_x[i], widest_px) << i;  // the box, not the bounds of a whole frame
+      EXPECT_LT(found.half_x[i], widest_px) << i;  // the box, not the bounds of a complete frame
       EXPECT_LE(SIM_LOW(found.footprints[i].rows), y) << i;
       EXPECT_GE(SIM_HIGH(found.footprints[i].rows), y) << i;
       EXPECT_LE(SIM_HIGH(found.footprints[i].rows) - SIM_LOW(found.footprints[i].rows), 5U) << i;
@@ -255,7 +256,7 @@ void expect_ordinary_speeds_settle(Precision precision) {
     const Found found = find(shot, particles, precision);
     for (std::size_t i = 0; i < particles.size(); ++i) {
       const double x = (static_cast<double>(where[i] % 240) + 0.5) * 2.0 * kPi / 240;
-      // Near the cut a particle has two places.
+      // Near the cut a particle has two positions.
       EXPECT_NEAR(std::min(std::abs(found.mean_x[i] - x), std::abs(found.other_x[i] - x)), 0.0, kSettled_rad)
           << i;
       EXPECT_LT(found.half_x[i], 0.1) << i;

@@ -1,5 +1,5 @@
-// Extremes of number, opacity, motion and size; single extreme particles are in degenerate_test.cpp, float
-// against double in `simuli bench --extremes`.
+// Tests extremes of number, opacity, motion and size; degenerate_test.cpp tests single extreme particles,
+// `simuli bench --extremes` float against double.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -21,7 +21,8 @@ test::Shot shot_for(const SceneCase& scene) {
   return scene.kind == SetKind::kCamera ? test::shot_of(scene, 40, 36) : test::shot_of(scene, 80, 18);
 }
 
-/// `count` particles in a row ahead of the sensor, from 5 to 15 m, wide enough that the middle rays meet all.
+/// Returns `count` particles in a row ahead of the sensor, from 5 to 15 m, wide enough for the central rays
+/// to intersect all.
 GaussianSet queue_of(const SceneCase& scene, Eigen::Index count, float logit) {
   GaussianSet set(scene.kind, scene.sh_degree, count);
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -67,7 +68,7 @@ TEST_P(Stress, TenThousandOnOneRay) {
       options.alpha_cut = 1e-4;
       const RayResults found = render(set, shot_for(GetParam()), options);
       expect_sane(found);
-      // Straight ahead alpha is the opacity.
+      // In the centre alpha is the opacity.
       const double darkest = std::pow(1.0 - 0.0005, static_cast<double>(count));
       const auto least = std::min_element(found.transmittance.begin(), found.transmittance.end());
       EXPECT_NEAR(static_cast<double>(*least), darkest, 0.02 * darkest) << alike;
@@ -78,7 +79,7 @@ TEST_P(Stress, TenThousandOnOneRay) {
       for (std::size_t i = 0; i < found.rays; ++i) {
         apart += std::abs(found.transmittance[i] - precise.transmittance[i]) > kRelative ? 1U : 0U;
       }
-      EXPECT_LE(apart, found.rays / 50) << alike;  // rays that graze the cut of alpha
+      EXPECT_LE(apart, found.rays / 50) << alike;  // rays at the cut of alpha
     }
   }
 }
@@ -92,7 +93,7 @@ TEST_P(Stress, OpacitiesToTheLastBit) {
     const double opacity = std::min(1.0 / (1.0 + std::exp(-static_cast<double>(logit))), 0.999);
     const double least =
         static_cast<double>(*std::min_element(found.transmittance.begin(), found.transmittance.end()));
-    // A huge logit is no number to particles: 1e35 and beyond are culled.
+    // Logits of 1e35 and beyond are invalid: such particles are culled.
     const double expected = std::abs(logit) >= 1e35F || opacity < 1.0 / 255.0 ? 1.0 : 1.0 - opacity;
     EXPECT_NEAR(least, expected, 0.01) << logit;
   }
@@ -106,7 +107,7 @@ TEST_P(Stress, MotionsOfAllKinds) {
   struct Motion {
     double turned_rad, driven_m;
   };
-  // 1000 degrees/s for 0.1 s, half a turn, 100 m/s for a second, hardly at all.
+  // 1000 degrees/s for 0.1 s, half a revolution, 100 m/s for a second, nearly at rest.
   for (const Motion& m :
        {Motion{100.0 * kPi / 180.0, 3.0}, {kPi, 0.0}, {0.1, 100.0}, {1e-8, 1e-8}, {0.0, 0.0}}) {
     Pose end = start;
@@ -148,7 +149,7 @@ INSTANTIATE_TEST_SUITE_P(All,
                          testing::Values(test::kCameraRolling, test::kLidarMoving),
                          [](const auto& pair) { return std::string(pair.param.name); });
 
-// What a picture has beside particles and poses: extremes come out as numbers, what is none is refused.
+// Inputs of a picture besides particles and poses: extremes give finite results, NaN is rejected.
 TEST(StressOfLooks, EnvironmentsAndGrids) {
   const Device& device = test::device();
   const GaussianSet set = queue_of(test::kCameraRolling, 20, 1.0F);
@@ -210,7 +211,7 @@ TEST(StressOfActors, PosesThatAreNoNumbersAreRefused) {
   broken.view.actors[0].scene_from_actor_start.rotation.coeffs().setZero();
   expect_error(
       ErrorKind::kNumeric, "pose of actor 0", [&] { renderer.render(particles, rays, broken.view); });
-  // An actor that isn't there may have any pose.
+  // An absent actor may have any pose.
   broken.view.actors[0].is_there = false;
   Pass pass = renderer.render(particles, rays, broken.view);
 }
@@ -221,7 +222,7 @@ TEST(HugePictures, AreRefusedBeforeAnythingIsAllocated) {
   camera.name = "huge";
   camera.fx = camera.fy = 10000.0;
   camera.width = camera.height = 16384;
-  // As many times larger as this device needs to refuse it.
+  // Enlarged until the device rejects it.
   while (static_cast<double>(camera.width) * camera.height * 84.0 <=
          static_cast<double>(device.info().global_bytes)) {
     camera.width *= 2;

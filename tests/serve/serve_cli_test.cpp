@@ -87,7 +87,7 @@ TEST_F(ServeCli, DrainsAndEndsBySigterm) {
   start();
   EXPECT_EQ(health_of(channel_, ""), 1);
   EXPECT_EQ(server_->end_by(SIGTERM), 0);
-  EXPECT_NE(server_->output().find("what was begun is finished"), std::string::npos) << server_->output();
+  EXPECT_NE(server_->output().find("running requests are finished"), std::string::npos) << server_->output();
 }
 
 TEST_F(ServeCli, EndsByAClientWhereThatIsAllowed) {

@@ -3,11 +3,11 @@
 
 namespace simuli::test {
 
-/// The device of a test program, opened once, so that each program of its kernels is built once, too. Who
-/// measures memory or builds opens one of its own.
+/// Returns the device of a test program, opened once so that kernels are compiled once. Tests that measure
+/// memory or compilations open their own device.
 inline const Device& device() {
   static const Device* const opened =
-      new Device(Device::best());  // never closed: drivers may be gone by then
+      new Device(Device::best());  // never closed: drivers may be unloaded before
   return *opened;
 }
 

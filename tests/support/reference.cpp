@@ -1,4 +1,4 @@
-// Particles, sensors and rays of tests/support/reference.hpp.
+// Implements particles, sensors and rays of tests/support/reference.hpp.
 #include "tests/support/reference.hpp"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The lenses of tests/support/reference.hpp, written down independently of cl/math/camera.h.
+// Implements the lenses of tests/support/reference.hpp, independently of cl/math/camera.h.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,9 +12,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kMinAxisCosine = 0.1;  // z / |p| of a valid point of the pinhole: about 84 degrees off axis
+// minimum z / |p| of a valid point of the pinhole: about 84 degrees off axis
+constexpr double kMinAxisCosine = 0.1;
 
-/// Kannala-Brandt with parameters k1..k4, max_angle_rad; its radius has to grow up to that angle.
+/// Kannala-Brandt with parameters k1..k4, max_angle_rad; the radius must increase up to that angle.
 double fisheye_radius(const std::vector<double>& p, double angle) {
   return angle + p[0] * std::pow(angle, 3) + p[1] * std::pow(angle, 5) + p[2] * std::pow(angle, 7) +
          p[3] * std::pow(angle, 9);
@@ -32,8 +33,9 @@ double bivariate(const std::vector<double>& c, const Vector2d& at) {
   return sum;
 }
 
-/// A direction on the other side of the windshield, as long: towards the lens, or away from it. Polynomials
-/// that are exact the other way are solved by steps that shrink, as glass bends little.
+/// Maps a direction through the windshield, towards the lens or away from it, with its length kept.
+/// Polynomials that are exact in the other direction are inverted by iteration, which converges because glass
+/// bends little.
 Vector3d through_glass(const Windshield& glass, const Vector3d& p, bool to_lens) {
   const Vector3d n = p.normalized();
   const Vector2d from(std::asin(n.x()), std::asin(n.y()));
@@ -101,7 +103,7 @@ bool camera_image(const Camera& camera, const Vector3d& p_camera, Vector2d& pixe
 
 namespace {
 
-/// Behind the windshield, if there is one.
+/// Returns the direction behind the windshield, if there is one.
 Vector3d lens_direction(const Camera& camera, const Vector2d& pixel) {
   const Vector2d image((pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy);
   switch (is_ideal(camera.lens) ? LensKind::kPinhole : camera.lens.kind()) {

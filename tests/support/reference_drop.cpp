@@ -1,4 +1,4 @@
-// The drop function, straight from METHOD section 7.
+// Implements the drop function of METHOD section 7.
 #include <cmath>
 #include <cstddef>
 #include <vector>

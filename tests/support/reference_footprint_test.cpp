@@ -138,13 +138,13 @@ TEST(LidarFootprint, StandsAtBothEndsOfTheSweep) {
   EXPECT_NEAR(once.half_width.y(), still.half_width.y(), 2e-3);
 }
 
-/// A particle put on a ray, as the ray stands at its own time, is projected to where the ray is.
+/// Expects that a particle on a ray, at the ray's own time, projects to the position of the ray.
 void expect_projection_inverts_rays(const Sensor& sensor, double distance_m, double tolerance) {
   const std::vector<Ray> all = rays(sensor);
   std::vector<SingleParticle> particles;
   for (const Ray& ray : all) particles.push_back(small_at(ray.origin + distance_m * ray.direction, 1e-4));
   Options options;
-  options.filter_variance_px2 = 0.0;  // its second-order shift of the mean is not what is tested
+  options.filter_variance_px2 = 0.0;  // the filter shifts the mean, which is not tested here
   const std::vector<Footprint> footprints =
       project(Particles(test::set_of(sensor.kind, particles)), sensor, options);
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -181,7 +181,7 @@ TEST(Time, ProjectionFindsTheRayThatSeesThePointWithASpinningLidar) {
   Lidar lidar = test::small_lidar(4, 40);
   for (const SpinDirection spin : {SpinDirection::kCounterClockwise, SpinDirection::kClockwise}) {
     lidar.spin = spin;
-    // Inside the sweep: at the cut the time jumps, and a point may be seen twice or never.
+    // Inside the sweep: at its ends a point may be measured twice or never.
     LidarRays sweep = nominal_rays(lidar);
     std::vector<std::size_t> inner;
     for (int r = 0; r < 4; ++r) {
@@ -194,7 +194,7 @@ TEST(Time, ProjectionFindsTheRayThatSeesThePointWithASpinningLidar) {
       kept.time_fraction.push_back(sweep.time_fraction[i]);
     }
     const Sensor sensor = Sensor::of(lidar, kept, moved({1.0, 2.0, 0.5}, 0.3), moved({2.5, 2.2, 0.5}, 0.35));
-    expect_projection_inverts_rays(sensor, 15.0, 2e-5);  // a hundredth of a common column
+    expect_projection_inverts_rays(sensor, 15.0, 2e-5);  // a hundredth of a typical column
   }
 }
 

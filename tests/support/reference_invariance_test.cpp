@@ -1,4 +1,4 @@
-// Changes of the scene that must not change what the reference renders.
+// Tests that some changes of the scene do not change renders of the reference.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -62,7 +62,7 @@ Sensor moving_lidar() {
   return Sensor::of(lidar, nominal_rays(lidar), drive(0.0), drive(1.0));
 }
 
-/// Compares ray by ray where no decision hangs on a rounding, and demands that those are nearly all.
+/// Compares rays whose decisions do not depend on rounding, and expects that nearly all rays qualify.
 void expect_same(const std::vector<RayResult>& a,
                  const std::vector<RayResult>& b,
                  double tolerance,
@@ -93,7 +93,7 @@ double difference(const std::vector<RayResult>& a, const std::vector<RayResult>&
   return largest;
 }
 
-/// The set moved rigidly. Degree 0 alone: higher harmonics would have to be rotated too.
+/// Moves the set rigidly. Only degree 0: higher harmonics would need a rotation.
 Particles transformed(const Particles& particles, const Pose& new_from_old) {
   Particles out = particles;
   for (Eigen::Index i = 0; i < out.size(); ++i) {
@@ -142,8 +142,8 @@ TEST(Invariance, MovingSceneAndLidarTogether) {
 }
 
 TEST(Invariance, TurningTheLidarsFrameUnderItsAzimuths) {
-  // The same rays in the world, at the same times, with all azimuths shifted: atan2 and the particles'
-  // boxes now break at another place.
+  // The same rays in the world, at the same times, with all azimuths shifted: atan2 and the particles' boxes
+  // wrap at another angle.
   const Particles set = around_sensor(SetKind::kLidar, 2, 3);
   const Sensor sensor = moving_lidar();
   const std::vector<RayResult> expected = render(set, sensor, {}, kLidarBackground);
@@ -253,7 +253,7 @@ TEST(Boxes, ClipEachAxisByItself) {
         double dx = std::abs(all[i].x - footprint[0].mean.x());
         if (kind == SetKind::kLidar) dx = std::min(dx, std::abs(all[i].x - footprint[0].other_x));
         const bool in_x = dx <= footprint[0].half_width.x();
-        // Of a picture a row is inside as soon as one of the four is that make a block with it.
+        // A row of a picture is inside if one row of its block of four is inside.
         bool in_y = false;
         const double first_row = std::floor(all[i].y / 4.0) * 4.0 + 0.5;
         for (int row = 0; row < 4; ++row) {

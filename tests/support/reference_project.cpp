@@ -1,4 +1,4 @@
-// The projection of tests/support/reference.hpp: particle -> footprint.
+// Implements the projection of tests/support/reference.hpp: particle -> footprint.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -13,15 +13,16 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kPoleMargin_rad = 0.05;  // a LiDAR particle this close to the spin axis is all round
-constexpr double kSettled = 1.0 / 32.0;   // of a row or column, between the time looked at and that seen
-constexpr double kRateMax = 0.75;         // of that time: beyond it there may be several, or none
+constexpr double kPoleMargin_rad = 0.05;  // a LiDAR particle this close to the spin axis covers all azimuths
+constexpr double kSettled = 1.0 / 32.0;   // convergence of the time, in rows or columns
+// limit of the time's rate of change: beyond it there may be several solutions or none
+constexpr double kRateMax = 0.75;
 constexpr double kNoBound = 1e9;
-constexpr double kWidestBox_rad = 1.5;   // half-width above which a box is the whole turn
-constexpr double kAllRound_rad = 100.0;  // half-width of that
+constexpr double kWidestBox_rad = 1.5;   // half-width above which a box covers all azimuths
+constexpr double kAllRound_rad = 100.0;  // half-width of a box over all azimuths
 constexpr double kMinLeverRange_m = 1e-3;
 
-/// The point between the rows' origins to which LiDAR azimuth and elevation refer, in the LiDAR frame.
+/// Returns the reference point of LiDAR azimuth and elevation between the beams' origins, in the LiDAR frame.
 Vector3d reference_origin(const Lidar& lidar) {
   double sum = 0.0;
   for (const LidarRow& row : lidar.rows) sum += row.vertical_offset;
@@ -39,7 +40,7 @@ double lever_arm_m(const Lidar& lidar) {
   return vertical + horizontal;
 }
 
-/// The point in the sensor frame at time u; of a LiDAR from its reference origin.
+/// Returns the point in the sensor frame at time u; for a LiDAR relative to its reference origin.
 Vector3d in_sensor(const Sensor& sensor, const Vector3d& p_scene, double u) {
   const Pose scene_from_sensor = sensor.scene_from_sensor(u);
   const Vector3d p_sensor =
@@ -47,8 +48,8 @@ Vector3d in_sensor(const Sensor& sensor, const Vector3d& p_scene, double u) {
   return sensor.kind == SetKind::kCamera ? p_sensor : p_sensor - reference_origin(sensor.lidar);
 }
 
-/// Pixel, or spin angle (in the turn nearest to `anchor`) and elevation, of the point seen at time u; false
-/// when it has none.
+/// Computes the pixel, or spin angle (in the revolution nearest to `anchor`) and elevation, of the point at
+/// time u; returns false without one.
 bool project_at(const Sensor& sensor, const Vector3d& p_scene, double u, double anchor, Vector2d& xy) {
   const Vector3d p = in_sensor(sensor, p_scene, u);
   if (sensor.kind == SetKind::kLidar) {
@@ -59,13 +60,13 @@ bool project_at(const Sensor& sensor, const Vector3d& p_scene, double u, double 
   return camera_image(sensor.camera, p, xy);
 }
 
-/// Share of the frame at which the sensor sees what projects to xy, in [0, 1].
+/// Returns the share of the frame at which the sensor measures xy, in [0, 1].
 double time_of(const Sensor& sensor, const Vector2d& xy) {
   if (sensor.kind == SetKind::kCamera) return exposure_time(sensor.camera, xy);
   return std::clamp(xy.x() / sensor.lidar.azimuth_span, 0.0, 1.0);
 }
 
-/// Share of the frame from one row or column to the next that is later.
+/// Returns the share of the frame between consecutive rows or columns.
 double time_step(const Sensor& sensor) {
   if (sensor.kind == SetKind::kLidar) return 1.0 / sensor.lidar.columns;
   switch (sensor.camera.shutter) {
@@ -79,8 +80,8 @@ double time_step(const Sensor& sensor) {
   }
 }
 
-/// The same at the time at which the sensor sees the point, starting from time u. A point for which no such
-/// time is found has no projection.
+/// The same at the time at which the sensor measures the point, starting from time u. Returns false if no
+/// such time is found.
 bool project_at_own_time(const Sensor& sensor,
                          const Vector3d& p_scene,
                          const Options& options,
@@ -94,7 +95,7 @@ bool project_at_own_time(const Sensor& sensor,
     const bool seen = project_at(sensor, p_scene, u, anchor, xy);
     const double gap = time_of(sensor, xy) - u;
     if (std::abs(gap) <= kSettled * time_step(sensor)) return seen;
-    // The secant of gap(u), and in its place the plain step where it leads off or is not known yet.
+    // The secant of gap(u), or the plain step if the secant diverges or is not available.
     const double slope = u != last_u ? (gap - last_gap) / (u - last_u) : 0.0;
     const double step = slope > -2.0 && slope < -0.125 ? -gap / slope : gap;
     last_u = u;
@@ -104,8 +105,8 @@ bool project_at_own_time(const Sensor& sensor,
   return false;
 }
 
-/// Bound on how fast the time at which the ray through a point fires changes while the sensor moves, for all
-/// points within `radius` of p_mid (sensor frame half-way, of a LiDAR from its reference origin).
+/// Returns a bound on the rate of change of a point's measurement time due to sensor motion, for points
+/// within `radius` of p_mid (sensor frame at mid frame, for a LiDAR relative to its reference origin).
 double shutter_rate(const Sensor& sensor, const Vector3d& p_mid, double radius) {
   const Pose& start = sensor.scene_from_sensor_start;
   const Pose& end = sensor.scene_from_sensor_end;
@@ -127,7 +128,7 @@ double shutter_rate(const Sensor& sensor, const Vector3d& p_mid, double radius) 
   return per_px * sensor.camera.focal_px() / (cosine * cosine) * turn;
 }
 
-/// The sigma points' mean and covariance about the particle's place near `anchor`.
+/// Returns mean and covariance of the sigma points around the particle's position near `anchor`.
 SigmaResult sigma_at(const Sensor& sensor,
                      const Options& options,
                      const Vector3d& mean,
@@ -143,7 +144,7 @@ SigmaResult sigma_at(const Sensor& sensor,
   }
   return unscented(
       mean, f.scene_from_particle, f.filtered_scale, false, [&](const Vector3d& p_scene, Vector2d& xy) {
-        // The mean itself keeps the anchor it was found from.
+        // The mean keeps its own anchor.
         if (p_scene == mean) return project_at_own_time(sensor, mean, options, anchor, u, xy);
         return project_at_own_time(sensor, p_scene, options, point_anchor, point_u, xy);
       });
@@ -160,7 +161,7 @@ double filter_variance_m2(const Sensor& sensor, double range_m, const Options& o
 void camera_fallback(const Sensor& sensor, const Vector3d& mean, bool any_valid, Footprint& f) {
   f.fallback = true;
   const double radius = f.extent * f.filtered_scale.maxCoeff();
-  // Other lenses than the pinhole may see behind the camera.
+  // Lenses other than the pinhole may show points behind the camera.
   const bool reaches = sensor.camera.lens.kind() != LensKind::kPinhole || sensor.moves() ||
                        in_sensor(sensor, mean, 0.5).z() + radius > kCameraNear_m;
   f.visible = any_valid || reaches;
@@ -168,7 +169,7 @@ void camera_fallback(const Sensor& sensor, const Vector3d& mean, bool any_valid,
   f.half_width = f.mean;
 }
 
-/// Whether a particle is around the sensor, about its spin axis, or passed too fast for one place.
+/// Whether a particle surrounds the sensor, is near its spin axis, or passes too fast for one position.
 bool lidar_around(const Sensor& sensor, const Vector3d& p_mid, const Footprint& f) {
   const double radius = f.extent * f.filtered_scale.maxCoeff();
   const Vector3d step_m =
@@ -179,7 +180,7 @@ bool lidar_around(const Sensor& sensor, const Vector3d& p_mid, const Footprint& 
          (sensor.moves() && shutter_rate(sensor, p_mid, radius) >= kRateMax);
 }
 
-/// Smallest and largest spin angle of all rays.
+/// Returns the smallest and largest spin angle of all rays.
 std::pair<double, double> swept(const Sensor& sensor) {
   double first = 1e30;
   double last = -1e30;
@@ -192,7 +193,8 @@ std::pair<double, double> swept(const Sensor& sensor) {
   return {first, last};
 }
 
-/// How far a LiDAR's rays fire from the time that their spin angle tells, as a share of the frame.
+/// Returns the maximum difference between a LiDAR ray's time and the time of its spin angle, as a share of
+/// the frame.
 double time_spread(const Sensor& sensor) {
   constexpr double kFloatTimes = 1e-6;
   double spread = 0.0;
@@ -205,7 +207,7 @@ double time_spread(const Sensor& sensor) {
   return spread > kFloatTimes ? spread : 0.0;
 }
 
-/// How far the image of the mean moves within that time of its own.
+/// Returns the motion of the mean's image within that time difference.
 Vector2d drift(const Sensor& sensor, const Vector3d& mean, double u) {
   const double spread = sensor.moves() ? time_spread(sensor) : 0.0;
   Vector2d farthest(0.0, 0.0), own, xy;
@@ -217,15 +219,15 @@ Vector2d drift(const Sensor& sensor, const Vector3d& mean, double u) {
       project_at(sensor, mean, at, own.x(), xy);
       farthest = farthest.cwiseMax((xy - own).cwiseAbs());
     }
-    // The drifted spin angle tells another time in turn: the sum of that series.
+    // The drifted spin angle changes the time again: sums that series.
     dt = spread / (1.0 - std::min(farthest.x() / sensor.lidar.azimuth_span / spread, 0.75));
   }
   return farthest;
 }
 
-/// A LiDAR may meet a particle at two places of its unrolled spin angle, one turn apart but for its own
-/// motion. Where both are swept, both boxes have the larger half-width and the elevations of both. All are
-/// widened by the reach of the rows' origins.
+/// A LiDAR may measure a particle at two positions of its unrolled spin angle, about one revolution apart. If
+/// both are in the sweep, both boxes have the larger half-width and cover both elevations. All are widened by
+/// the offsets of the beams' origins.
 void lidar_footprint(const Sensor& sensor, const Options& options, const Vector3d& mean, Footprint& f) {
   const Vector3d p_mid = in_sensor(sensor, mean, 0.5);
   const double azimuth = std::atan2(p_mid.y(), p_mid.x());
@@ -318,7 +320,7 @@ Vector3d feature_of(const Particles& particles, Eigen::Index i, const Vector3d& 
   for (Eigen::Index k = 0; k < basis.size(); ++k) {
     sum += basis[k] * particles.params.block<1, 3>(i, kShRow + 3 * k).transpose();
   }
-  // Colours and intensity are biased and not negative; the logits of a LiDAR set are as they stand.
+  // Colours and intensity have a bias and are not negative; the logits of a LiDAR set are unchanged.
   const int bounded = particles.kind == SetKind::kCamera ? 3 : 1;
   for (int c = 0; c < bounded; ++c) sum[c] = std::max(0.0, 0.5 + sum[c]);
   return sum;

@@ -1,4 +1,4 @@
-// The blending of tests/support/reference.hpp: rays through footprints.
+// Implements the blending of tests/support/reference.hpp.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kMaxAlpha = 0.999;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The span of tau in which a sensor sees particles.
+/// Range of tau in which a sensor measures particles.
 struct Range {
   double min_m = 0.01;
   double max_m = 1e6;
@@ -27,12 +27,12 @@ Range range_of(const Sensor& sensor) {
   return {sensor.lidar.range_min, sensor.lidar.range_max};
 }
 
-/// A conjunction of conditions that remembers how far it is from turning over.
+/// A conjunction of conditions with its distance from another outcome.
 struct Decision {
   bool holds = true;
   double margin = kInfinity;
 
-  /// `distance` is that of the condition's two sides, relative to what they are compared with.
+  /// `distance`: relative distance of the condition's two sides.
   void require(bool condition, double distance) {
     distance = std::abs(distance);
     if (holds && condition) {
@@ -41,12 +41,12 @@ struct Decision {
       holds = false;
       margin = distance;
     } else if (!condition) {
-      margin = std::max(margin, distance);  // all failing conditions would have to turn
+      margin = std::max(margin, distance);  // all failing conditions would have to change
     }
   }
 };
 
-/// What one particle may add to one ray.
+/// Contribution of one particle to one ray.
 struct Candidate {
   std::size_t particle = 0;
   double alpha = 0.0;
@@ -56,7 +56,8 @@ struct Candidate {
   Decision included;
 };
 
-/// From a centre to the nearest pixel of the four rows that make a block with y: a box has whole blocks of rows.
+/// Returns the distance from a centre to the nearest pixel row of y's block of four: a box contains complete
+/// blocks of rows.
 double block_distance(double y, double mean) {
   const double first = std::floor(y / 4.0) * 4.0 + 0.5;
   return first + std::clamp(std::round(mean - first), 0.0, 3.0) - mean;
@@ -89,7 +90,7 @@ Candidate respond(
   return c;
 }
 
-/// Candidates in the order of the ray, front first, ties by particle.
+/// Blends candidates in the order of the ray, ties by particle.
 RayResult blend(std::vector<Candidate> candidates, const Options& options, const Vector3d& background) {
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.key, a.particle) < std::tie(b.key, b.particle);

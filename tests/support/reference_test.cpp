@@ -1,4 +1,4 @@
-// The reference against closed forms and hand computations.
+// Tests the reference against closed forms and manual computations.
 #include "tests/support/reference.hpp"
 
 #include <algorithm>
@@ -21,10 +21,11 @@ constexpr double kDouble = 1e-12;  // roundings of double arithmetic on values a
 constexpr double kSingle = 2e-6;   // parameters are stored in single precision, the logit of 0.9 to 1e-7
 const Vector3d kBackground(0.1, 0.2, 0.3);
 
-/// 5x5 pixels about a principal point at the centre of pixel (2,2), looking along +z of the scene.
+/// Returns a camera of 5x5 pixels with the principal point at the centre of pixel (2,2), along +z of the
+/// scene.
 Sensor looking_ahead() { return Sensor::of(test::small_camera(5, 5), Pose(), Pose()); }
 
-/// The ray of the middle pixel through the particles.
+/// Returns the ray of the central pixel through the particles.
 RayResult middle_ray(const std::vector<SingleParticle>& particles, const Options& options = {}) {
   const Particles set(test::set_of(SetKind::kCamera, particles));
   return render(set, looking_ahead(), options, kBackground)[12];
@@ -54,7 +55,7 @@ TEST(Reference, IsotropicParticleHasTheResponseOfItsDistanceFromTheRay) {
       const double tx = (x + 0.5 - 20.0) / camera.fx;
       const double ty = (y + 0.5 - 15.0) / camera.fx;
       const double secant2 = 1.0 + tx * tx + ty * ty;
-      const double distance2 = 25.0 * (tx * tx + ty * ty) / secant2;  // of the mean from the ray
+      const double distance2 = 25.0 * (tx * tx + ty * ty) / secant2;  // from the mean to the ray
       double alpha = 0.8 * std::exp(-0.5 * distance2 / variance);
       if (alpha < 1.0 / 255.0) alpha = 0.0;
       const RayResult& result = results[static_cast<std::size_t>(y * camera.width + x)];
@@ -214,7 +215,7 @@ TEST(Features, AreBiasedForColoursAndBareForLogits) {
   lidar.kind = SetKind::kLidar;
   lidar.sh(0)(0, 0) = -4.0F;
   Pose scene_from_camera;
-  scene_from_camera.translation = {0.0, 0.0, 1.0};  // the particle is seen along +z
+  scene_from_camera.translation = {0.0, 0.0, 1.0};  // the particle is in direction +z
   const double c0 = 0.28209479177387814;
   const double c1 = 0.4886025119029199;
   const Footprint seen = project(

@@ -77,7 +77,7 @@ GaussianSet set_of(SetKind kind, const std::vector<SingleParticle>& particles) {
     set.log_scale().row(i) = particle.scale.array().log().matrix().transpose().cast<float>();
     set_rotation(set, i, particle.rotation, 1.0);
     set.opacity_logit()(i) = static_cast<float>(logit(particle.opacity));
-    // The logits of a LiDAR set carry no bias.
+    // The logits of a LiDAR set have no bias.
     const Eigen::Vector3d bias =
         kind == SetKind::kCamera ? Eigen::Vector3d::Constant(0.5) : Eigen::Vector3d(0.5, 0.0, 0.0);
     set.sh(0).row(i) = ((particle.feature - bias) / static_cast<double>(kSh0)).transpose().cast<float>();

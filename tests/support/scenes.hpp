@@ -15,25 +15,25 @@
 
 namespace simuli::test {
 
-/// A seeded source of numbers.
+/// A seeded random number generator.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
-  /// In [low, high).
+  /// Returns a number in [low, high).
   [[nodiscard]] double uniform(double low, double high);
-  /// Standard normal (Box-Muller).
+  /// Returns a standard normal number (Box-Muller).
   [[nodiscard]] double normal();
   [[nodiscard]] Eigen::Vector3d in_box(const Eigen::Vector3d& low, const Eigen::Vector3d& high);
-  /// Uniform on the unit sphere.
+  /// Returns a direction uniform on the unit sphere.
   [[nodiscard]] Eigen::Vector3d direction();
-  /// Uniform over all rotations.
+  /// Returns a rotation uniform over all rotations.
   [[nodiscard]] Eigen::Quaterniond rotation();
 
  private:
   std::mt19937_64 engine_;
 };
 
-/// What random_set draws from. Scales are drawn uniformly in their logarithm, opacities uniformly.
+/// Parameters of random_set(). Scales are uniform in their logarithm, opacities uniform.
 struct SetRecipe {
   SetKind kind = SetKind::kCamera;
   int sh_degree = 0;
@@ -45,10 +45,10 @@ struct SetRecipe {
   double sh_spread = 0.5;  // standard deviation of every SH coefficient
 };
 
-/// [recipe.count] particles. Quaternions are deliberately not normalised.
+/// Returns [recipe.count] particles. Quaternions are deliberately not normalised.
 [[nodiscard]] GaussianSet random_set(const SetRecipe& recipe, std::uint64_t seed);
 
-/// One particle of a degree-0 set. `feature` is what a sensor sees of it (the bias is taken off again).
+/// One particle of a degree-0 set. `feature` is the rendered feature (without the bias).
 struct SingleParticle {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();   // m
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();  // m
@@ -58,19 +58,19 @@ struct SingleParticle {
 };
 [[nodiscard]] GaussianSet set_of(SetKind kind, const std::vector<SingleParticle>& particles);
 
-/// The same set with its particles in the order of `order`, a permutation of 0..size-1.
+/// Returns the set in the order of `order`, a permutation of 0..size-1.
 [[nodiscard]] GaussianSet permuted(const GaussianSet& set, const std::vector<Eigen::Index>& order);
-/// A seeded permutation of 0..count-1.
+/// Returns a seeded permutation of 0..count-1.
 [[nodiscard]] std::vector<Eigen::Index> random_order(Eigen::Index count, std::uint64_t seed);
 
-/// Pinhole, principal point at the centre, focal length of 0.6 widths (80 degrees across).
+/// Returns a pinhole with a central principal point and a focal length of 0.6 widths (80 degrees across).
 [[nodiscard]] Camera small_camera(int width, int height, ShutterKind shutter = ShutterKind::kGlobal);
-/// Full turn from azimuth_first = pi counter-clockwise, elevations evenly from +10 to -25 degrees, no
-/// offsets, 1 to 80 m, ideal rays.
+/// Returns a LiDAR with a full revolution from azimuth_first = pi counter-clockwise, elevations evenly from
+/// +10 to -25 degrees, no offsets, 1 to 80 m, ideal rays.
 [[nodiscard]] Lidar small_lidar(int rows, int columns);
-/// A drop function of which every parameter counts: RayDrop::start() and normal numbers.
+/// Returns a drop function that depends on all parameters: RayDrop::start() plus normal numbers.
 [[nodiscard]] RayDrop::Parameters some_ray_drop(std::uint64_t seed);
-/// Camera axes (x right, y down, z forward) of a camera that looks along +x of a z-up frame.
+/// Returns the camera axes (x right, y down, z forward) of a camera along +x of a z-up frame.
 [[nodiscard]] Pose forward_from_camera();
 
 }  // namespace simuli::test

@@ -4,7 +4,7 @@
 
 namespace simuli::test {
 
-/// Rays from along the drive to all sides: the ray's number decides which.
+/// Returns a ray from the drive in a direction that depends on its number.
 struct StreetRay {
   Eigen::Vector3d origin, direction;
 };

@@ -1,4 +1,4 @@
-// Devices in C, and what C and C++ are shown of OpenCL.
+// C API of devices, and the OpenCL interface of C and C++.
 #include "host/apps/api/c_handles.hpp"
 #include "host/apps/api/opencl.h"
 #include "host/core/base/version.hpp"

@@ -1,4 +1,4 @@
-// Frames in C.
+// C API of frames.
 #include <limits>
 
 #include "host/apps/api/c_handles.hpp"
@@ -10,7 +10,7 @@ using namespace simuli::capi;
 
 namespace {
 
-/// Feature by feature [3][rays] -> [rays][3].
+/// Converts [3][rays] to [rays][3].
 std::vector<float> interleaved(const RayResults& results) {
   std::vector<float> out;
   out.reserve(3 * results.rays);
@@ -27,7 +27,7 @@ std::vector<float> each(const RayResults& results, F&& value) {
   return out;
 }
 
-/// But for the options, which are the scene's, and the edits, which are the shot's.
+/// Converts a request without the scene's options and the shot's edits.
 FrameRequest request_of(const simuli_request* request, std::size_t rays) {
   FrameRequest out{.camera_median = true};
   if (request == nullptr) return out;
@@ -177,13 +177,13 @@ simuli_status simuli_frame_labels(
     simuli_scene* scene, const simuli_frame* frame, simuli_label* labels, size_t room, size_t* count) {
   return guarded([&] {
     simuli_scene& of = need(scene, "scene");
-    const Scene& shown = of.on_device.scene();
+    const Scene& current = of.on_device.scene();
     const Frame& asked = need(frame, "frame").frame;
-    if (room < shown.actors.size()) {
+    if (room < current.actors.size()) {
       throw Error(ErrorKind::kUsage,
-                  fmt::format("room: found {}, allowed at least {}", room, shown.actors.size()));
+                  fmt::format("room: found {}, allowed at least {}", room, current.actors.size()));
     }
-    if (!of.labels) of.labels.emplace(of.on_device.device(), borrowed(shown), of.options);
+    if (!of.labels) of.labels.emplace(of.on_device.device(), borrowed(current), of.options);
     const std::vector<ActorLabel> found = of.labels->of(asked);
     if (!found.empty()) std::transform(found.begin(), found.end(), &need(labels, "labels"), label_of);
     need(count, "count") = found.size();

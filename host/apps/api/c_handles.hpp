@@ -1,5 +1,5 @@
 #pragma once
-// What the handles of simuli.h point to, and how calls report errors. For the sources of the C calls.
+// Handle types of simuli.h and error reporting, for the sources of the C API.
 #include <algorithm>
 #include <exception>
 #include <fmt/format.h>
@@ -24,13 +24,13 @@ struct simuli_device {
 
 struct simuli_scene {
   simuli::SensorRig rig;
-  simuli::SceneFile file;  // its scene is empty: on_device has it
+  simuli::SceneFile file;  // without its scene, which is in on_device
   simuli::RenderOptions options;
   simuli::SceneOnDevice on_device;
-  simuli::ActorCopies copies;                      // of actors that it was opened with
-  std::optional<simuli::SupportOnDevice> support;  // when first asked for
-  std::optional<simuli::LabelsOnDevice> labels;    // the same, of the scene and options as they are now
-  std::string notes;                               // of a file of splats
+  simuli::ActorCopies copies;                      // duplicated actors and their originals
+  std::optional<simuli::SupportOnDevice> support;  // created on first use
+  std::optional<simuli::LabelsOnDevice> labels;    // created on first use, for the current scene and options
+  std::string notes;                               // of a splat file
 };
 
 struct simuli_frame {
@@ -39,10 +39,10 @@ struct simuli_frame {
 
 namespace simuli::capi {
 
-/// What simuli_error() says of this thread.
+/// Returns the text of simuli_error() of this thread.
 [[nodiscard]] std::string& last_error();
 
-/// Runs f; nothing leaves it but a status.
+/// Runs f and converts each exception to a status.
 template <class F>
 simuli_status guarded(F&& f) noexcept {
   const auto fail = [](simuli_status status, const std::string& what) {
@@ -57,7 +57,7 @@ simuli_status guarded(F&& f) noexcept {
     f();
     return SIMULI_OK;
   } catch (const Error& error) {
-    // A driver's build log has lines of its own.
+    // A driver's build log keeps its lines.
     const bool is_log = error.kind() == ErrorKind::kKernel;
     return fail(static_cast<simuli_status>(error.exit_code()),
                 is_log ? std::string(error.what()) : on_one_line(error.what()));
@@ -78,16 +78,16 @@ T& need(T* pointer, const char* argument) {
 void need_length(const char* argument, std::size_t found, std::size_t allowed);
 
 [[nodiscard]] inline std::string text(const char* optional) { return optional == nullptr ? "" : optional; }
-/// Error{kUsage} for a zero quaternion and numbers that are not finite.
+/// Throws Error{kUsage} for a zero quaternion or non-finite numbers.
 [[nodiscard]] Pose pose_of(const simuli_pose& p);
 [[nodiscard]] simuli_pose to_c(const Pose& p);
-/// Error{kUsage} for an end before the start and times that are not finite.
+/// Throws Error{kUsage} for an end before the start or non-finite times.
 [[nodiscard]] Shot shot_of(const simuli_shot& s);
 [[nodiscard]] std::string quality_of(const simuli_options* options);
 [[nodiscard]] std::vector<std::string> settings_of(const simuli_options* options);
-/// Of a single frame: Error{kUsage} for one that makes a second actor.
+/// Converts an edit for a single frame; throws Error{kUsage} for SIMULI_DUPLICATE.
 [[nodiscard]] ActorEdit edit_of(const simuli_edit& edit);
-/// A sensor of the scene, those that were added among them.
+/// Returns a sensor of the scene, including added sensors.
 [[nodiscard]] Sensor sensor_of(const simuli_scene& scene, const char* name);
 
 }  // namespace simuli::capi

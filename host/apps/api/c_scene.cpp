@@ -1,4 +1,4 @@
-// Scenes, their sensors and their actors in C.
+// C API of scenes, sensors and actors.
 #include "host/apps/api/c_handles.hpp"
 #include "host/core/scene/occluders.hpp"
 #include "host/device/render/options/render_settings.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 const Trajectory& path_of(const simuli_scene& scene) {
   if (!scene.file.world_from_rig.poses().empty()) return scene.file.world_from_rig;
-  throw Error(ErrorKind::kInput, "scene: found no recorded path");
+  throw Error(ErrorKind::kInput, "scene: found no trajectory");
 }
 
 const Actor& actor_of(const simuli_scene& scene, std::size_t index) {
@@ -20,7 +20,7 @@ const Actor& actor_of(const simuli_scene& scene, std::size_t index) {
   throw Error(ErrorKind::kUsage, fmt::format("index: found {}, allowed less than {}", index, actors.size()));
 }
 
-/// Changes the scene for all frames from now on.
+/// Changes the scene for all later frames.
 template <class F>
 void change(simuli_scene& scene, F&& f) {
   Scene changed = scene.on_device.scene();
@@ -253,7 +253,7 @@ simuli_status simuli_scene_set_particles(
       if (has_particles_of_actors(s, set)) {
         need_length("rows", rows, static_cast<std::size_t>(set.params.rows()));
       } else if (n != set.params.rows()) {
-        set.actor.clear();  // what occluders hid is no longer there
+        set.actor.clear();  // disoccluded Gaussians are removed
       }
       if (n == 0) throw Error(ErrorKind::kUsage, "rows: found 0, allowed at least 1");
       set.params = Eigen::Map<const Eigen::MatrixXf>(&need(values, "values"), n, set.params.cols());

@@ -1,4 +1,4 @@
-// Training and evaluation in C.
+// C API of training and evaluation.
 #include <utility>
 
 #include "host/apps/api/c_handles.hpp"
@@ -22,12 +22,13 @@ simuli_status simuli_train(const simuli_device* device,
                            simuli_training* result) {
   return guarded([&] {
     const std::string folder = &need(scene, "scene");
-    const TrainingOptions asked =
-        training_options(capi::quality_of(options), capi::settings_of(options));  // before anything is read
+    const TrainingOptions checked_options =
+        // fails before any file is read
+        training_options(capi::quality_of(options), capi::settings_of(options));
     const SceneOutput output(folder);
     const Device& on = need(device, "device").device;
     const Log recorded = read_log(&need(log, "log"));
-    Training training(on, recorded, asked);
+    Training training(on, recorded, checked_options);
     const TrainReport report = training
                                    .run([&](const TrainStatus& status) {
                                      if (progress == nullptr) return;
@@ -38,7 +39,7 @@ simuli_status simuli_train(const simuli_device* device,
     SceneFile made = std::move(training).result();
     const auto camera_particles = static_cast<std::size_t>(made.scene.camera.size());
     const auto lidar_particles = static_cast<std::size_t>(made.scene.lidar.size());
-    write_trained_scene(folder, on, std::move(made), recorded, asked.train.render);
+    write_trained_scene(folder, on, std::move(made), recorded, checked_options.train.render);
     if (result == nullptr) return;
     *result = {report.last.iteration,
                report.last.psnr_db,
@@ -56,9 +57,11 @@ simuli_status simuli_evaluate(const simuli_device* device,
                               simuli_evaluation* result) {
   return guarded([&] {
     simuli_evaluation& out = need(result, "result");
-    const EvalOptions asked = eval_options(capi::quality_of(options), capi::settings_of(options));
-    Evaluation evaluation(
-        need(device, "device").device, read_scene(&need(scene, "scene")), read_log(&need(log, "log")), asked);
+    const EvalOptions checked_options = eval_options(capi::quality_of(options), capi::settings_of(options));
+    Evaluation evaluation(need(device, "device").device,
+                          read_scene(&need(scene, "scene")),
+                          read_log(&need(log, "log")),
+                          checked_options);
     const EvalReport report = evaluation.run();
     out = {report.images,
            report.sweeps,

@@ -1,4 +1,4 @@
-// Numbers and names across the border of C.
+// Conversion of numbers and names of the C API.
 #include <cmath>
 #include <fmt/ranges.h>
 
@@ -21,7 +21,7 @@ Pose pose_of(const simuli_pose& p) {
   const Eigen::Vector3d position(p.position_m);
   const double norm = q.norm();
   if (!(norm > 0.0) || !std::isfinite(norm) || !position.allFinite()) {
-    throw Error(ErrorKind::kUsage, "pose: found a zero quaternion or a number that is not finite");
+    throw Error(ErrorKind::kUsage, "pose: found a zero quaternion or a non-finite number");
   }
   return {q.normalized(), position};
 }
@@ -34,7 +34,7 @@ simuli_pose to_c(const Pose& p) {
 
 Shot shot_of(const simuli_shot& s) {
   if (!(s.time_end_s >= s.time_start_s) || !std::isfinite(s.time_end_s) || !std::isfinite(s.time_start_s)) {
-    throw Error(ErrorKind::kUsage, "shot: found an end before its start, or a time that is not finite");
+    throw Error(ErrorKind::kUsage, "shot: found an end before its start or a non-finite time");
   }
   return {pose_of(s.world_from_sensor_start), pose_of(s.world_from_sensor_end), s.time_start_s, s.time_end_s};
 }

@@ -37,7 +37,7 @@ set(SIMULI_PUBLIC_render
   host/core/record/support_record.hpp host/core/record/mirror.hpp host/device/support/support.hpp)
 set(SIMULI_PUBLIC_log
   "Recorded drives."
-  io/log/log.hpp io/log/frame_spans.hpp io/log/frame_selection.hpp)
+  io/log/log.hpp io/log/label_tracks.hpp io/log/frame_spans.hpp io/log/frame_selection.hpp)
 set(SIMULI_PUBLIC_files
   "Pictures, splats, clouds, sensor files, scene folders."
   io/picture/image.hpp io/picture/sized_image.hpp io/splat/ply.hpp io/splat/splat_file.hpp

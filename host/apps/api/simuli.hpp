@@ -1,6 +1,6 @@
 #pragma once
-// The library in one header: #include <simuli/simuli.hpp>. Everything is in namespace simuli; what goes wrong
-// is thrown as simuli::Error. Conventions: right-handed frames, metres, radians, seconds; a_from_b maps
+// The library in one header: #include <simuli/simuli.hpp>. All names are in namespace simuli; errors are
+// thrown as simuli::Error. Conventions: right-handed frames, metres, radians, seconds; a_from_b maps
 // coordinates in b to coordinates in a; quaternions are (w, x, y, z).
 //
 //   const auto device = simuli::Device::best();
@@ -10,4 +10,4 @@
 //   const simuli::Frame frame = scene.render(lidar, simuli::Shot::along(file.world_from_rig, lidar, 1.5));
 //   simuli::point_cloud(frame);  // its returns: x y z, intensity, range, drop, ring, time
 //
-// A context and queue of the caller's, and frames as device memory: <simuli/opencl.h>.
+// <simuli/opencl.h>: an own context and queue, and frames as device memory.

@@ -39,14 +39,14 @@ struct ActorsCommand {
 
 Json json_of(const Eigen::Vector3d& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
-/// Way from key to key, m: what stops has a shorter way than it took time for.
-double way_m(const Actor& actor) {
-  double way = 0.0;
+/// Returns the length of the track from key to key in m.
+double track_length_m(const Actor& actor) {
+  double length = 0.0;
   for (std::size_t k = 1; k < actor.track.size(); ++k) {
-    way += (actor.track[k].world_from_actor.translation - actor.track[k - 1].world_from_actor.translation)
-               .norm();
+    length += (actor.track[k].world_from_actor.translation - actor.track[k - 1].world_from_actor.translation)
+                  .norm();
   }
-  return way;
+  return length;
 }
 
 Json json_of(const Actor& actor) {
@@ -55,7 +55,7 @@ Json json_of(const Actor& actor) {
           {"first_s", actor.track.front().time_s},
           {"last_s", actor.track.back().time_s},
           {"poses", actor.track.size()},
-          {"way_m", way_m(actor)},
+          {"way_m", track_length_m(actor)},
           {"first_position_m", json_of(actor.track.front().world_from_actor.translation)},
           {"last_position_m", json_of(actor.track.back().world_from_actor.translation)}};
 }
@@ -84,20 +84,20 @@ std::string text_of(const FoundActors& found) {
   std::string text = fmt::format(
       "{} in {}, {:.1f} s\n", counted(r.actors, "moving thing"), counted(r.sweeps, "sweep"), r.seconds);
   for (const Actor& actor : found.actors) {
-    text += fmt::format("  {:<10} {}, {:.1f} to {:.1f} s in {} poses, way {:.1f} m\n",
+    text += fmt::format("  {:<10} {}, {:.1f} to {:.1f} s in {} poses, track of {:.1f} m\n",
                         actor.name,
                         size_text(actor.size_m),
                         actor.track.front().time_s,
                         actor.track.back().time_s,
                         actor.track.size(),
-                        way_m(actor));
+                        track_length_m(actor));
   }
-  text += fmt::format("  {} returns moved, {} of them on these; {} chains of clusters followed\n",
+  text += fmt::format("  {} moving returns, {} of them on these; {} chains of clusters\n",
                       r.moving_returns,
                       r.moving_on_actors,
                       r.chains);
   for (const std::string& name : found.standing)
-    text += fmt::format("  {}: what is in this label stands while it drives\n", name);
+    text += fmt::format("  {}: the points in this moving label are static\n", name);
   return text;
 }
 
@@ -125,13 +125,13 @@ std::string text_of(const ActorComparison& comparison) {
         size_text(m.found_size_m),
         size_text(m.labelled_size_m));
   }
-  for (const std::string& name : comparison.others) text += fmt::format("  {}: has no label\n", name);
+  for (const std::string& name : comparison.others) text += fmt::format("  {}: without a label\n", name);
   return text;
 }
 
 void actors(const ActorsCommand& command, const Globals& globals) {
   Log log = read_log(command.log);
-  if (!command.output.empty()) need_new_path(command.output);  // known now, not after the search
+  if (!command.output.empty()) need_new_path(command.output);  // fails before the search
   std::optional<Log> labelled;
   if (!command.labelled.empty()) labelled = read_log(command.labelled);
   const FoundActors found =
@@ -170,9 +170,8 @@ void actors(const ActorsCommand& command, const Globals& globals) {
   std::cout << text_of(found);
   if (comparison) std::cout << text_of(*comparison);
   if (completed)
-    std::cout << fmt::format("  {} of them have no label; {} labels go on where they had ended\n",
-                             completed->added,
-                             completed->continued);
+    std::cout << fmt::format(
+        "  {} of them have no label; {} labels were extended\n", completed->added, completed->continued);
   if (!command.output.empty()) std::cout << fmt::format("log {} written\n", on_one_line(command.output));
 }
 
@@ -180,21 +179,19 @@ void actors(const ActorsCommand& command, const Globals& globals) {
 
 void add_actors(Command app, const Globals& globals) {
   const auto command = std::make_shared<ActorsCommand>();
-  Command sub = app.command("actors", "find what moves through a log from its LiDAR alone");
+  Command sub = app.command("actors", "find moving objects of a log from its LiDAR");
   sub.option("LOG", command->log, "log folder").required();
-  sub.option(
-      "-o,--output",
-      command->output,
-      "log folder to write, with what is found in place of the log's own actors; default: report only");
-  sub.flag(
-      "--keep-labels",
-      command->keeps_labels,
-      "keep the log's own actors, as a training does: what has no label is added, and what is seen before "
-      "and after a label continues it");
-  sub.option("--compare", command->labelled, "log whose labels what is found is compared with");
+  sub.option("-o,--output",
+             command->output,
+             "log folder to write, with the found actors instead of the log's; default: report only");
+  sub.flag("--keep-labels",
+           command->keeps_labels,
+           "keep the log's actors, as a training does: objects without a label are added, and objects found "
+           "before or after a label extend it");
+  sub.option("--compare", command->labelled, "log with labels for a comparison with the found actors");
   sub.option("--held-out",
              command->frames.held_out_every,
-             "leave out every N-th sweep, as a training does; 0: none")
+             "hold out every N-th sweep, as a training does; 0: none")
       .with_default();
   const auto fields = [command] { return fields_of(command->options); };
   add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");

@@ -1,4 +1,4 @@
-// simuli bench: runs simuli-bench, the program of the benches, which lies beside this one where it was built.
+// Command simuli bench: runs the program simuli-bench from the folder of this program.
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -19,13 +19,13 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string bench_program() {
-  std::error_code ignored;  // where there is no /proc there is none
+  std::error_code ignored;  // without /proc there is no such program
   return (fs::read_symlink("/proc/self/exe", ignored).parent_path() / "simuli-bench").string();
 }
 
 [[noreturn]] void bench(const std::vector<std::string>& arguments) {
   const std::string program = bench_program();
-  std::vector<char*> argv{const_cast<char*>(program.c_str())};  // execv's type; it changes nothing
+  std::vector<char*> argv{const_cast<char*>(program.c_str())};  // execv() does not change the text
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
   execv(program.c_str(), argv.data());
@@ -39,9 +39,8 @@ std::string bench_program() {
 }  // namespace
 
 void add_bench(CommandLine& line) {
-  line.add_foreign("bench",
-                   is_there(bench_program()) ? "measure: times, and the numbers of the paper's tables" : "",
-                   bench);
+  line.add_foreign(
+      "bench", is_there(bench_program()) ? "measure times and the numbers of the paper's tables" : "", bench);
 }
 
 }  // namespace simuli::cli

@@ -1,4 +1,4 @@
-// The whole system on the embedded street: log, training, evaluation, pictures.
+// Command simuli demo: log, training, evaluation and pictures of the embedded street.
 #include <filesystem>
 #include <fmt/format.h>
 #include <iostream>
@@ -25,11 +25,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A size that people look at, whose training two cores do in less than a minute.
+// Size of the pictures: readable, and two cores train in less than a minute.
 constexpr int kWidth_px = 640, kHeight_px = 360;
 
 struct DemoCommand {
-  std::string output;  // empty: a new folder below the temporary one
+  std::string output;  // empty: a new temporary folder
   int iterations = 300;
   FrameSelection frames{.image_scale = 1.0};
 };
@@ -43,8 +43,8 @@ void demo(const DemoCommand& command, const Globals& globals) {
   options.train.render = training_options_of(globals.quality);
   options.train.iterations = command.iterations;
   options.frames = command.frames;
-  const TrainingOptions allowed = checked(options);  // before anything is made
-  // All or nothing, like every folder that is written.
+  const TrainingOptions allowed = checked(options);  // fails before any output
+  // Writes all outputs or none.
   std::optional<EvalReport> report;
   SceneFile scene;
   write_folder_atomically(output, [&](const fs::path& folder) {
@@ -77,13 +77,13 @@ void demo(const DemoCommand& command, const Globals& globals) {
   });
   print_eval(*report, scene, globals.json);
   if (globals.json) return;
-  const auto told = [&](const char* name) { return on_one_line((output / name).string()); };
-  std::cout << fmt::format("log                             {}\n", told("street.log"))
-            << fmt::format("scene                           {}\n", told("street.scene"))
-            << fmt::format("report                          {}\n", told("report.html"))
-            << fmt::format("held-out picture, rendered beside recorded   {}\n", told("camera.png"))
-            << fmt::format("held-out ranges, rendered over recorded      {}\n", told("lidar_range.png"))
-            << fmt::format("drive through it                simuli view {}\n",
+  const auto path_of = [&](const char* name) { return on_one_line((output / name).string()); };
+  std::cout << fmt::format("log                             {}\n", path_of("street.log"))
+            << fmt::format("scene                           {}\n", path_of("street.scene"))
+            << fmt::format("report                          {}\n", path_of("report.html"))
+            << fmt::format("held-out picture, rendered | recorded         {}\n", path_of("camera.png"))
+            << fmt::format("held-out ranges, rendered above recorded     {}\n", path_of("lidar_range.png"))
+            << fmt::format("view                            simuli view {}\n",
                            shell_word((output / "street.scene").string()));
 }
 
@@ -91,16 +91,16 @@ void demo(const DemoCommand& command, const Globals& globals) {
 
 void add_demo(Command app, const Globals& globals) {
   const auto command = std::make_shared<DemoCommand>();
-  Command sub = app.command("demo", "the whole system on an embedded street, in two minutes");
-  sub.option("-o,--output", command->output, "folder to make; default: a new temporary one");
-  sub.option("--iterations", command->iterations, "of training").with_default();
+  Command sub = app.command("demo", "run the complete system on an embedded street, in two minutes");
+  sub.option("-o,--output", command->output, "folder to write; default: a new temporary folder");
+  sub.option("--iterations", command->iterations, "training iterations").with_default();
   sub.option("--held-out-middle",
              command->frames.held_out_middle,
-             "keep that share of the path, around its middle, too, for evaluation")
+             "also hold out this share of the trajectory around its middle")
       .with_default();
   sub.option("--held-out-last",
              command->frames.held_out_last,
-             "keep that share of the path, at its end, too, for evaluation")
+             "also hold out this share of the trajectory at its end")
       .with_default();
   sub.run([command, &globals] { demo(*command, globals); });
 }

@@ -17,10 +17,10 @@ namespace {
 
 constexpr double kOpacity = 0.6;
 constexpr double kDistance_m = 20.0;
-/// Float on polynomials of exp and on distances of tens of metres: a few 1e-6 of the value.
+/// Float errors of polynomials of exp and of distances of tens of metres are a few 1e-6 of the value.
 constexpr double kTolerance = 1e-4;
 
-/// One particle straight ahead at kDistance_m: the ray through its centre meets it with its full opacity.
+/// Returns one particle straight ahead at kDistance_m; the ray through its centre has its full opacity.
 GaussianSet test_set(SetKind kind) {
   GaussianSet set(kind, 0, 1);
   set.mean().row(0) << (kind == SetKind::kLidar ? static_cast<float>(kDistance_m) : 0.0F), 0.0F,
@@ -40,11 +40,11 @@ Scene test_scene() {
   return scene;
 }
 
-/// Largest deviation of the central ray from what the blending formula says.
+/// Returns the largest deviation of the central ray from the blending formula.
 double camera_error(SceneOnDevice& scene) {
   Camera camera;
   camera.name = "check";
-  camera.width = camera.height = 33;  // odd: one pixel looks straight ahead
+  camera.width = camera.height = 33;  // odd: the central pixel points straight ahead
   camera.fx = camera.fy = 40.0;
   camera.cx = camera.cy = 16.5;
   const Frame frame = scene.render(Sensor(camera), {});
@@ -63,7 +63,7 @@ double camera_error(SceneOnDevice& scene) {
                                       r.distance[centre]};
   double worst = 0.0;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    // Written so that NaN is an error, too.
+    // A comparison that treats NaN as an error.
     const double error = std::abs(static_cast<double>(found[i]) - expected[i]) / std::max(1.0, expected[i]);
     worst = error <= worst ? worst : error;
   }
@@ -98,7 +98,7 @@ struct Check {
   std::string text;
 };
 
-/// Renders one particle by camera and LiDAR, in float and where possible in double.
+/// Renders one particle with a camera and a LiDAR, in float and, if the device supports it, in double.
 Check check_device(std::size_t index) {
   try {
     const Device device = Device::best(std::to_string(index));
@@ -158,9 +158,10 @@ std::string device_text(std::size_t index, const DeviceInfo& d) {
 void devices(bool check, const Globals& globals) {
   const std::vector<DeviceInfo> all = Device::list();
   if (all.empty()) {
-    throw Error(ErrorKind::kDevice, "devices: found none, allowed any with an OpenCL 1.2 driver (e.g. PoCL)");
+    throw Error(ErrorKind::kDevice,
+                "devices: found none, allowed any with an OpenCL 1.2 driver (for example PoCL)");
   }
-  if (!globals.device.empty()) {  // none of that name: as of every command
+  if (!globals.device.empty()) {  // throws for an unknown name, like every command
     for (const std::string& device : devices_of(globals.device)) static_cast<void>(Device::best(device));
   }
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -186,8 +187,8 @@ void devices(bool check, const Globals& globals) {
 
 void add_devices(Command app, const Globals& globals) {
   const auto check = std::make_shared<bool>(false);
-  Command sub = app.command("devices", "OpenCL devices and what each can do");
-  sub.flag("--check", *check, "render a known scene on each and compare");
+  Command sub = app.command("devices", "list OpenCL devices and their properties");
+  sub.flag("--check", *check, "render a scene with a known result on each device and compare");
   sub.run([check, &globals] { devices(*check, globals); });
 }
 

@@ -25,12 +25,12 @@ struct EvalCommand {
   std::vector<std::string> settings;
   Edits edits;
   EvalOptions options;
-  double scale = 1.0;  // where they are given
+  double scale = 1.0;  // used only if given
   int held_out = 0;
   double held_out_middle = 0.0, held_out_last = 0.0;
   std::vector<std::string> held_out_sensors;
-  std::string report;    // file to write; empty: none
-  bool support = false;  // beside errors
+  std::string report;    // path of the HTML report; empty: none
+  bool support = false;  // add statistics of support
 };
 
 void eval(EvalCommand command, const Globals& globals) {
@@ -51,7 +51,7 @@ void eval(EvalCommand command, const Globals& globals) {
                              evaluation.scene().training->log_hash,
                              frames.label());
   }
-  std::optional<EvalSupport> support;  // first: a scene may have none, and be refused
+  std::optional<EvalSupport> support;  // first: throws for a scene without support
   if (command.support) support = eval_support(evaluation);
   const EvalReport report = run_evaluation(evaluation, globals);
   for (const std::string& line : report.warnings) std::cerr << "simuli: warning: " << line << '\n';
@@ -70,29 +70,30 @@ void eval(EvalCommand command, const Globals& globals) {
 
 void add_eval(Command app, const Globals& globals) {
   const auto command = std::make_shared<EvalCommand>();
-  Command sub =
-      app.command("eval", "compare a scene with frames of a log, first those it was not trained on");
+  Command sub = app.command("eval", "compare a scene with frames of a log, by default held-out frames");
   sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required();
-  sub.option("LOG", command->log, "log folder: the one that the scene was trained on, or another").required();
+  sub.option("LOG", command->log, "log folder of the training or of another drive").required();
   const Option scale =
-      sub.option("--scale", command->scale, "size of the compared pictures over the recorded")
+      sub.option("--scale", command->scale, "size of the compared pictures relative to the recorded pictures")
           .shown_as("FLOAT", "as in training");
   const Option held_out =
       sub.option("--held-out", command->held_out, "every N-th frame of each sensor, 0: all")
-          .shown_as("INT", "those that training held out, all of another log");
+          .shown_as("INT", "frames held out in training; all frames of another log");
   const Option held_out_middle = sub.option("--held-out-middle",
                                             command->held_out_middle,
-                                            "frames of that share of the path, around its middle")
+                                            "frames of this share of the trajectory around its middle")
                                      .shown_as("FLOAT", "as --held-out");
   const Option held_out_last =
-      sub.option("--held-out-last", command->held_out_last, "frames of that share of the path, at its end")
+      sub.option(
+             "--held-out-last", command->held_out_last, "frames of this share of the trajectory at its end")
           .shown_as("FLOAT", "as --held-out");
   const Option held_out_sensor =
-      sub.option("--held-out-sensor", command->held_out_sensors, "all frames of that camera or LiDAR")
+      sub.option("--held-out-sensor", command->held_out_sensors, "all frames of this camera or LiDAR")
           .one_at_a_time()
-          .shown_as("NAME",
-                    "as --held-out, any number of times; of these four, those that are given stand for all "
-                    "that is asked");
+          .shown_as(
+              "NAME",
+              "as --held-out; may be repeated; given options of these four replace the selection of the "
+              "training");
   sub.option("--repeats", command->options.timed_renders, "timed renders of each sensor").with_default();
   const auto fields = [command, &globals] {
     command->options.render = options_of(globals.quality);
@@ -101,8 +102,9 @@ void add_eval(Command app, const Globals& globals) {
   add_settings(sub, command->settings, globals, fields, "KEY=VALUE...; help: lists the keys");
   sub.option("--report",
              command->report,
-             "HTML file to write: metrics, curves, pictures, points to turn, settings, times");
-  sub.flag("--support", command->support, "also how well support (docs/RENDERS.md) foretells the errors");
+             "HTML file to write: metrics, curves, pictures, point clouds, settings, times");
+  sub.flag(
+      "--support", command->support, "also evaluate how well support (docs/RENDERS.md) predicts the errors");
   add_edit_options(sub, command->edits);
   sub.run([=, &globals] {
     if (scale.is_given()) command->options.image_scale = command->scale;

@@ -44,17 +44,17 @@ struct ExportCommand {
 
 SetKind kind_of(const ExportCommand& command) { return command.lidar ? SetKind::kLidar : SetKind::kCamera; }
 
-/// What is written, and what of the scene is not.
+/// Exported particles, and descriptions of the parts left out.
 struct Export {
   GaussianSet set;
   SplatAxes axes = SplatAxes::kYDown;
   std::vector<std::string> left_out = {};
 };
 
-/// A splat file as it is: read_scene() would turn it.
+/// Reads a splat file without the rotation of read_scene().
 Export of_splats(const ExportCommand& command) {
   if (command.is_moment || !lines_of(command.edits).empty()) {
-    throw_usage_error("INPUT", "a file of splats", "a scene with --at and with edits");
+    throw_usage_error("INPUT", "a splat file", "a scene for --at and edits");
   }
   if (command.lidar) return {read_gaussians_ply(command.input, SetKind::kLidar)};
   SplatReport report;
@@ -82,9 +82,9 @@ Export of_scene(const ExportCommand& command) {
     out.left_out.push_back(
         fmt::format("{} particles of actors{}",
                     all.size() - out.set.size(),
-                    command.is_moment ? " that are not there then" : " (--at TIME: as then)"));
+                    command.is_moment ? " that are absent at this time" : " (--at TIME includes them)"));
   }
-  if (!command.lidar && !scene.environment.empty()) out.left_out.emplace_back("what is infinitely far");
+  if (!command.lidar && !scene.environment.empty()) out.left_out.emplace_back("the environment map");
   if (!command.lidar && !scene.color_grids.empty())
     out.left_out.emplace_back("colour transforms of pictures");
   return out;
@@ -100,7 +100,7 @@ void export_drive(const ExportCommand& command, const Globals& globals) {
   const std::string id = scene_id_of(command.input);
   const DriveArchive archive = write_drive_archive(command.output, scene, id);
   std::vector<std::string> left_out;
-  if (archive.ground_triangles == 0) left_out.emplace_back("the ground, which no LiDAR saw");
+  if (archive.ground_triangles == 0) left_out.emplace_back("the ground (no LiDAR points)");
   if (archive.cameras_without_model > 0) {
     left_out.push_back(fmt::format("the lenses of {} cameras", archive.cameras_without_model));
   }
@@ -122,11 +122,11 @@ void export_drive(const ExportCommand& command, const Globals& globals) {
   }
 }
 
-/// A log becomes NCore, which its name's ending says.
+/// Exports a log in the NCore format given by the extension of the output.
 void export_log(const ExportCommand& command, const Globals& globals) {
   if (command.is_moment || command.drive || command.lidar || command.compress ||
       !lines_of(command.edits).empty()) {
-    throw_usage_error("INPUT", "a log", "a scene with edits and with options");
+    throw_usage_error("INPUT", "a log", "a scene for edits and these options");
   }
   const Log log = read_log(command.input);
   FileProgress progress("export", globals);
@@ -155,7 +155,7 @@ void run_export(const ExportCommand& command, const Globals& globals) {
   const bool is_folder = std::filesystem::is_directory(command.input, ignored);
   if (command.drive && is_folder) return export_drive(command, globals);
   if (command.drive) {
-    throw_usage_error("--drive", "no scene's folder", "one: other files have no path");
+    throw_usage_error("--drive", "no scene folder", "a scene folder: other files have no trajectory");
   }
   const Export exported = is_folder ? of_scene(command) : of_splats(command);
   write_splats(command.output, exported.set, {exported.axes, command.compress});
@@ -176,22 +176,22 @@ void run_export(const ExportCommand& command, const Globals& globals) {
 
 void add_export(Command app, const Globals& globals) {
   const auto command = std::make_shared<ExportCommand>();
-  Command sub = app.command("export", "a scene, a splat file or a log for other programs");
+  Command sub = app.command("export", "convert a scene, a splat file or a log for other programs");
   sub.option("INPUT",
              command->input,
              "scene folder, .ply (also SuperSplat's compressed), .spz or .glb; a log folder for NCore")
       .required();
   sub.option("-o,--output",
              command->output,
-             ".ply, .spz, .glb (glTF), .usda or .usdz (OpenUSD); of a log .zarr or .zarr.itar (NCore)")
+             ".ply, .spz, .glb (glTF), .usda or .usdz (OpenUSD); for a log .zarr or .zarr.itar (NCore)")
       .required();
-  const Option at = sub.option(
-      "--at", command->at_s, "with its actors where they are then, s of the log; default: without them");
-  sub.flag("--compress", command->compress, "in .glb: particles as SPZ, a tenth of the size");
-  sub.flag("--lidar", command->lidar, "the LiDAR set instead of the camera set; .ply alone");
+  const Option at =
+      sub.option("--at", command->at_s, "include actors at this time, s of the log; default: without actors");
+  sub.flag("--compress", command->compress, "in .glb: store particles as SPZ, a tenth of the size");
+  sub.flag("--lidar", command->lidar, "export the LiDAR set instead of the camera set; only .ply");
   sub.flag("--drive",
            command->drive,
-           "a .usdz with path, cameras, actors, road and ground, for AlpaSim and CARLA")
+           "write a .usdz with trajectory, cameras, actors, road and ground, for AlpaSim and CARLA")
       .excludes("--at")
       .excludes("--compress")
       .excludes("--lidar");

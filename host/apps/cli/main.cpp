@@ -1,4 +1,3 @@
-// simuli: the program.
 #include "host/apps/cli/simuli.hpp"
 #if __has_include("simuli_commit.hpp")
 #include "simuli_commit.hpp"  // host/apps/cli/commit.cmake

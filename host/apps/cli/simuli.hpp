@@ -3,7 +3,7 @@
 
 namespace simuli::cli {
 
-/// All of `simuli`: main() is this and nothing else.
+/// Runs the program `simuli`; main() only calls this function.
 [[nodiscard]] int run_simuli(int argc, char** argv, const std::string& commit);
 
 }  // namespace simuli::cli

@@ -43,16 +43,16 @@ void synth(const SynthCommand& command, bool is_long, const Globals& globals) {
   print_log(log, globals.json);
 }
 
-/// Error{kUsage} where it is given to the short street.
+/// Throws Error{kUsage} if the option was given for the short street.
 void need_long(const Option& option, const char* name) {
   if (!option.is_given()) return;
-  throw_usage_error(name, "without --length", "with it");
+  throw_usage_error(name, "without --length", "only with --length");
 }
 
 }  // namespace
 
 void add_synth(Command app, const Globals& globals) {
-  Command command = app.command("synth", "make a log of an embedded scene, whose truth is known exactly");
+  Command command = app.command("synth", "make a log of an embedded scene with known ground truth");
   command.require_command();
 
   const auto all = std::make_shared<SynthCommand>();
@@ -63,24 +63,31 @@ void add_synth(Command app, const Globals& globals) {
     return street.option(name, value, text).with_default();
   };
   add("--frames", options->frames, "images per camera and sweeps");
-  add("--speed", options->speed_m_per_s, "of the rig, m/s; not with --length");
+  add("--speed", options->speed_m_per_s, "speed of the rig, m/s; not with --length");
   Option length = street.option(
       "--length",
       all->length_m,
-      "m: a long street instead, with bends, hills, crossings and traffic, which all frames together "
-      "drive along; as fast as that takes");
+      "length in m of a long street with bends, hills, crossings and traffic; the frames cover it "
+      "at the speed that this needs");
   length.excludes("--speed");
-  const Option cameras = add("--cameras", all->cameras, "of the long street's rig: front, left, right, rear");
-  const Option lidars = add("--lidars", all->lidars, "of the long street's rig: top, front_low, rear_low");
-  add("--lane-shift", options->lane_shift_m, "so far to its left, m: the truth of `render --lane-shift`");
+  const Option cameras =
+      add("--cameras", all->cameras, "number of cameras of the long street's rig: front, left, right, rear");
+  const Option lidars =
+      add("--lidars", all->lidars, "number of LiDARs of the long street's rig: top, front_low, rear_low");
+  add("--lane-shift",
+      options->lane_shift_m,
+      "shift of the rig to the left, m: ground truth for `render --lane-shift`");
   add("--image-width", options->image_width, "pixels");
   add("--image-height", options->image_height, "pixels");
-  add("--lidar-columns", options->lidar_columns, "firings per turn");
-  add("--seed", options->seed, "of textures and furniture");
-  street.flag("--moving-car,!--no-moving-car", options->moving_car, "something drives; default: yes");
-  street.flag("--walker", options->walking_person, "somebody walks across the street; not with --length");
+  add("--lidar-columns", options->lidar_columns, "columns per revolution");
+  add("--seed", options->seed, "seed of textures and street furniture");
+  street.flag("--moving-car,!--no-moving-car", options->moving_car, "add moving cars; default: yes");
+  street.flag(
+      "--walker", options->walking_person, "add a pedestrian who crosses the street; not with --length");
   length.excludes("--walker");
-  street.flag("--rolling-shutter", options->rolling_shutter, "20 ms top to bottom instead of global");
+  street.flag("--rolling-shutter",
+              options->rolling_shutter,
+              "rolling shutter of 20 ms from top to bottom instead of a global shutter");
   street.run([all, length, cameras, lidars, &globals] {
     const bool is_long = length.is_given();
     if (!is_long) need_long(cameras, "--cameras");

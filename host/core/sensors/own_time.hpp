@@ -18,7 +18,8 @@ struct OwnTimeImage {
 struct OwnTimeObservations {
   int most = 12;  // iterations after the first one at mid-frame
   double settled_px = 1e-4;  // converged below this change
-  double margin = std::numeric_limits<double>::infinity();  // of the picture's sides; farther out the point has no image
+  // Share of the picture's sides; a point farther outside has no image.
+  double margin = std::numeric_limits<double>::infinity();
 };
 
 inline bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double margin = 0.0) {

@@ -31,7 +31,7 @@ TEST(Actor, IsBetweenItsKeyPoses) {
   EXPECT_TRUE(actor.at(1.05).translation.isApprox(Vector3d(10.5, 0, 0), kExact));
   EXPECT_LT(actor.at(1.05).rotation.angularDistance(yaw(0.1)), kExact * 1e4);
   EXPECT_TRUE(actor.at(1.2).translation.isApprox(Vector3d(12.5, 0.5, 0), kExact));
-  // Outside, the end segments go on.
+  // Outside, the end segments are extrapolated.
   EXPECT_TRUE(actor.at(1.4).translation.isApprox(Vector3d(15.5, 1.5, 0), kExact));
   EXPECT_TRUE(actor.at(0.95).translation.isApprox(Vector3d(9.5, 0, 0), kExact));
 }
@@ -158,7 +158,7 @@ TEST(Deformation, GoesBackTheWayItCame) {
     expect_same(4.0 + beyond_s, 4.0 - beyond_s);
     expect_same(2.0 - beyond_s, 2.0 + beyond_s);
   }
-  // Without a jump anywhere.
+  // Without a jump.
   for (double time_s = 1.0; time_s < 7.0; time_s += 0.001) {
     const std::vector<double> a = shape.at(time_s), b = shape.at(time_s + 0.001);
     for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], 0.005);
@@ -166,7 +166,7 @@ TEST(Deformation, GoesBackTheWayItCame) {
 }
 
 TEST(Deformation, IsLinearBetweenItsNodes) {
-  // Offsets that are linear in place are met exactly everywhere in the box, and held beyond it.
+  // Offsets that are linear in position are interpolated exactly in the box and constant outside.
   const std::array<int, 3> nodes{3, 4, 6};
   const Vector3d half(0.5, 0.3, 0.9);
   const auto linear = [](const Vector3d& p) {

@@ -13,7 +13,7 @@ Eigen::Quaterniond turned(double angle_rad) {  // to the right
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitY()));
 }
 
-/// Grids whose every value tells its frame.
+/// Returns grids whose values identify their frame.
 ColorGrids numbered(std::vector<ColorGrids::Frame> frames) {
   ColorGrids grids = ColorGrids::identity(2, 3, 4, std::move(frames));
   for (std::size_t i = 0; i < grids.values.size(); ++i) {
@@ -54,8 +54,8 @@ TEST(ColorGrids, FramesOfTheSameTimeAreNoDivisionByZero) {
   EXPECT_EQ(grids.at(pinhole("front"), turned(0.0), 1.0).front(), 0.0F);
 }
 
-/// "front" looks along z at 0 s, and 0.1 rad to the right of it at 1 s. Values grow by 1 with each vertex to the right,
-/// by 100 with each below, 10 with each level, and 1000 with each frame.
+/// Camera "front" points along z at 0 s, and 0.1 rad to the right of it at 1 s. Values increase by 1 per
+/// vertex to the right, 100 per vertex down, 10 per level, and 1000 per frame.
 ColorGrids sloping() {
   ColorGrids grids = ColorGrids::identity(5, 3, 2, {{"front", 0.0}, {"front", 1.0}});
   grids.cameras = {pinhole("front")};
@@ -75,7 +75,7 @@ TEST(ColorGrids, OfACameraWithoutAnyAreWhatOthersHaveInItsDirections) {
   const ColorGrids grids = sloping();
   const std::vector<float> same = grids.at(pinhole("other"), turned(0.0), 0.0);
   ASSERT_EQ(same.size(), grids.values_per_frame());
-  // Twice as narrow: from a quarter to three quarters of the other's picture.
+  // Half the view angle: from a quarter to three quarters of the other picture.
   const std::vector<float> narrow = grids.at(pinhole("other", 200.0), turned(0.0), 0.0);
   for (int y = 0; y < 3; ++y) {
     for (int x = 0; x < 5; ++x) {
@@ -85,7 +85,8 @@ TEST(ColorGrids, OfACameraWithoutAnyAreWhatOthersHaveInItsDirections) {
       }
     }
   }
-  // In the middle of a turn half of each neighbour, each in its own directions: the axis is at 50 +- 100 tan 0.05 px.
+  // Half-way through a rotation: half of each neighbour in its own directions; the axis is at 50 +- 100 tan
+  // 0.05 px.
   const double off = 100.0 * std::tan(0.05) / 25.0;  // vertices
   const std::vector<float> between = grids.at(pinhole("other"), turned(0.05), 0.5);
   EXPECT_NEAR(
@@ -104,16 +105,16 @@ TEST(ColorGrids, OfACameraWithoutAnyAreMeansWhereNobodyLooks) {
   };
   expect_mean(grids.at(pinhole("rear"), turned(std::numbers::pi), 0.0), 2.0 + 100.0);
   expect_mean(grids.at(pinhole("rear"), turned(std::numbers::pi), 0.75), 2.0 + 100.0 + 750.0);
-  // At its side: what is in the other's picture has what it has there, the rest the mean.
+  // Beside a recorded view: overlapping directions have its values, others the mean.
   const std::vector<float> beside = grids.at(pinhole("right"), turned(std::atan(0.5)), 0.0);
   EXPECT_NEAR(value_at(grids, beside, 0, 1, 0), 2.0 + 100.0, 1e-3);
   EXPECT_NEAR(value_at(grids, beside, 2, 1, 0), 4.0 + 100.0, 1e-3);
   EXPECT_NEAR(value_at(grids, beside, 4, 1, 0), 2.0 + 100.0, 1e-3);
-  // A camera's only grid is for all its pictures.
+  // A camera's only grid applies to all its pictures.
   grids.frames[1].camera = "left";
   grids.cameras.push_back(pinhole("left"));
   expect_mean(grids.at(pinhole("other"), turned(0.0), 0.0), 2.0 + 100.0 + 500.0);
-  // Nobody knows where they look.
+  // The directions of the frames are unknown.
   grids = sloping();
   grids.cameras.clear();
   grids.looks.clear();

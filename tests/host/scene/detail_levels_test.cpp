@@ -1,4 +1,4 @@
-// Levels of detail: few particles that stand for many.
+// Tests levels of detail: few particles that represent many.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
@@ -9,7 +9,7 @@
 namespace simuli {
 namespace {
 
-/// Spheres of 1 cm, half opaque, at these places.
+/// Returns spheres of 1 cm with opacity 1/2 at these positions.
 GaussianSet spheres(const std::vector<Eigen::Vector3f>& places) {
   GaussianSet set(SetKind::kCamera, 1, static_cast<Eigen::Index>(places.size()));
   for (std::size_t k = 0; k < places.size(); ++k) {
@@ -30,14 +30,14 @@ TEST(DetailLevels, OneStandsForThoseOfACell) {
   EXPECT_EQ(levels.set.params.topRows(3), set.params);
   EXPECT_LT((levels.set.mean().row(3) - Eigen::RowVector3f(0.03F, 0.03F, 0.03F)).norm(), 1e-7F);
   EXPECT_NEAR(levels.set.sh(0)(3, 0), 1.0F, 1e-6F);
-  // The variance along x: 1 cm squared of its own, and 2 cm squared times 2/3 of where they are.
+  // The variance along x: 1 cm squared of each particle, and 2 cm squared times 2/3 of their positions.
   const double longest = std::sqrt(1e-4 + 4e-4 * 2.0 / 3.0);
   Eigen::Vector3f scale = levels.set.log_scale().row(3).transpose().array().exp();
   std::sort(scale.begin(), scale.end());
   EXPECT_NEAR(static_cast<double>(scale(0)), 0.01, 1e-7);
   EXPECT_NEAR(static_cast<double>(scale(1)), 0.01, 1e-7);
   EXPECT_NEAR(static_cast<double>(scale(2)), longest, 1e-7);
-  // Each is half opaque over its own size, less over the whole.
+  // The opacity is 1/2 over each particle's size, smaller over the whole.
   const double own = 1e-4, whole = (1e-4 + 2.0 * 0.01 * longest) / 3.0;
   const double past = std::pow(1.0 - 0.5 * own / whole, 3.0);
   EXPECT_NEAR(1.0 / (1.0 + std::exp(-static_cast<double>(levels.set.opacity_logit()(3)))), 1.0 - past, 1e-6);
@@ -55,8 +55,8 @@ TEST(DetailLevels, OwnersAndWhatIsNoNumberStayApart) {
   set.opacity_logit()(0) = std::numeric_limits<float>::quiet_NaN();
   set.log_scale()(1, 2) = std::numeric_limits<float>::infinity();
   const DetailLevels levels = detail_levels(set);
-  // Of the background one is left, of actor 2 there are two: not worth one more. Actor 1 has one in their
-  // place.
+  // The background keeps one particle; actor 2 has two, too few for another level. Actor 1 has one
+  // representative.
   ASSERT_EQ(levels.set.size(), 9);
   EXPECT_EQ(levels.set.actor, (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 1, 2, 2, 1}));
   for (const std::size_t i : {0, 1, 2, 6, 7, 8}) EXPECT_EQ(levels.until_m[i], kNeverMerged);
@@ -72,7 +72,7 @@ TEST(DetailLevels, FewerAreDrawnTheFartherOff) {
   for (const float footprint_m : {1e-4F, 0.1F, 0.3F, 1.0F, 3.0F, 10.0F, 100.0F}) {
     std::size_t drawn = 0;
     for (std::size_t i = 0; i < levels.from_m.size(); ++i) {
-      // All there before the first that it stands for begins to go.
+      // All are opaque before the first represented particle starts to fade.
       EXPECT_TRUE(levels.from_m[i] == 0.0F || levels.until_m[i] >= kDetailFade * levels.from_m[i]);
       drawn += levels.from_m[i] <= footprint_m && footprint_m < levels.until_m[i] ? 1U : 0U;
     }

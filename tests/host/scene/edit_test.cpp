@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double kExact = 1e-12;
 
-/// Two cars; particle i of a set has i in its first parameter.
+/// Returns two cars; the first parameter of particle i of a set is i.
 Scene two_cars() {
   Scene scene;
   Actor car;
@@ -49,7 +49,7 @@ TEST(Edit, OfTracksAloneIsTheSameFunction) {
   const std::vector<Actor> gone = edited(actors, {{"first", ActorEdit::Remove{}}});
   EXPECT_FALSE(gone[0].is_there(1.5));
   EXPECT_TRUE(gone[1].is_there(1.5));
-  // What comes after has nothing to change.
+  // Later edits have no effect.
   EXPECT_TRUE(edited(gone, {{"first", ActorEdit::Retime{2.0, 0.0}}})[0].track.empty());
   expect_error(ErrorKind::kUsage, "third", [&] { (void)edited(actors, {{"third", ActorEdit::Remove{}}}); });
   expect_error(ErrorKind::kUsage, "0.001 to 1000", [&] {
@@ -80,7 +80,7 @@ TEST(Edit, MovesInTheActorsOwnFrame) {
 
 TEST(Edit, TurnsAboutItsOwnUp) {
   Scene scene = two_cars();
-  turn_actor(scene, "second", std::acos(0.0));  // its nose, which was to +y, now to -x
+  turn_actor(scene, "second", std::acos(0.0));  // its front, which pointed to +y, now points to -x
   EXPECT_TRUE((scene.actors[1].at(1.5) * Vector3d(1, 0, 0)).isApprox(Vector3d(9, 4, 0), kExact));
   EXPECT_TRUE((scene.actors[1].at(1.5) * Vector3d(0, 0, 1)).isApprox(Vector3d(10, 4, 1), kExact));
   expect_error(ErrorKind::kUsage, "finite", [&] { turn_actor(scene, "first", std::nan("")); });
@@ -90,7 +90,7 @@ TEST(Edit, ResizesOnItsBase) {
   Scene scene = two_cars();
   resize_actor(scene, "first", 2.0);
   EXPECT_EQ(scene.actors[0].size_m, Vector3d(8.0, 3.6, 3.0));
-  // The base was at -0.75 and still is.
+  // The base remains at -0.75.
   EXPECT_TRUE(scene.actors[0].at(1.5).translation.isApprox(Vector3d(10, 4, 0.75), kExact));
   EXPECT_EQ(scene.camera.params(3, 0), 6.0F);
   EXPECT_EQ(scene.camera.params(2, 0), 2.0F);  // of the other car
@@ -98,7 +98,7 @@ TEST(Edit, ResizesOnItsBase) {
   EXPECT_EQ(scene.camera.log_scale()(2, 1), 0.0F);
   expect_error(ErrorKind::kUsage, "found 0 times", [&] { resize_actor(scene, "first", 0.0); });
   const Eigen::Vector3d size_m = scene.actors[0].size_m;
-  for (const double factor : {30.0, 1e3, 1e36, 1e300}) {  // as boxes are judged where they are read
+  for (const double factor : {30.0, 1e3, 1e36, 1e300}) {  // the limits of boxes in files
     expect_error(ErrorKind::kInput, "resize: first: size", [&] { resize_actor(scene, "first", factor); });
   }
   EXPECT_EQ(scene.actors[0].size_m, size_m);
@@ -179,7 +179,7 @@ TEST(Edit, TakesShapesAlong) {
   const Scene before = with_a_walker();
   const Deformation& recorded = before.actors[1].deformation;
   Scene scene = before;
-  // Twice as fast and half a second later: what was at 1.6 s is at 1.5 + 0.3 s.
+  // Twice as fast and half a second later: the pose of 1.6 s is at 1.5 + 0.3 s.
   retime_actor(scene, "second", 2.0, 0.5);
   const std::vector<double> at = scene.actors[1].deformation.at(1.8), was = recorded.at(1.6);
   for (std::size_t i = 0; i < at.size(); ++i) EXPECT_NEAR(at[i], was[i], kExact);
@@ -194,7 +194,7 @@ TEST(Edit, TakesShapesAlong) {
   remove_actor(scene, "second");
   EXPECT_EQ(scene.actors[1].name, "third");
   EXPECT_EQ(scene.actors[1].deformation.offsets_m.size(), recorded.offsets_m.size());
-  // A new track begins with the shape that the old one began with.
+  // A new track starts with the first shape of the old track.
   Scene again = before;
   std::vector<KeyPose> track = before.actors[1].track;
   for (KeyPose& key : track) key.time_s += 7.0;

@@ -26,7 +26,7 @@ TEST(GroundMap, FollowsASlopeBelowWhatStandsOnIt) {
   const auto slope = [](double x, double /*y*/) { return 0.05 * x; };
   GroundMap map;
   for (int sweep = 0; sweep < 10; ++sweep) {
-    // A roof of 4 x 4 m hides the ground below it, always.
+    // A roof of 4 x 4 m always hides the ground below.
     map.add(grid(-10.0, 10.0, 0.25, [&](double x, double y) {
       return slope(x, y) + (std::abs(x) < 2.0 && std::abs(y) < 2.0 ? 1.5 : 0.0);
     }));
@@ -45,7 +45,8 @@ TEST(GroundMap, MirrorImagesBelowARoadDoNotLowerIt) {
   GroundMap map;
   for (int sweep = 0; sweep < 10; ++sweep) {
     map.add(grid(-6.0, 6.0, 0.25, [](double, double) { return 0.0; }));
-    map.add(grid(-0.9, 0.9, 0.3, [](double x, double) { return -1.0 - x; }));  // seen alone in its cells
+    map.add(
+        grid(-0.9, 0.9, 0.3, [](double x, double) { return -1.0 - x; }));  // the only points in their cells
   }
   map.finish();
   for (double x = -4.0; x < 4.0; x += 0.5) EXPECT_NEAR(*map.height_m(x, 0.0), 0.0, 0.25) << x;
@@ -55,7 +56,7 @@ TEST(GroundMap, MeshHangsTogetherWithThePath) {
   GroundMap map;
   const auto slope = [](double x, double y) { return 0.05 * x - 0.02 * y; };
   Eigen::Matrix3Xf points = grid(-10.0, 10.0, 0.25, slope);
-  // A gap of two by two cells, and a roof that no ground leads to.
+  // A gap of two by two cells, and a roof without a connection to the ground.
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     if (points(0, i) > 2.0F && points(0, i) < 4.0F && points(1, i) > 2.0F && points(1, i) < 4.0F)
       points(0, i) += 30.0F;

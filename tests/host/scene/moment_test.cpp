@@ -5,8 +5,8 @@
 namespace simuli {
 namespace {
 
-/// One particle of the background, one a metre ahead in each of two cars. The first drives along y and has
-/// turned to the left; the second is there from 10 s on.
+/// Returns one background particle and one particle a metre ahead in each of two cars. The first car drives
+/// along y, rotated to the left; the second exists from 10 s on.
 Scene two_cars() {
   Scene scene;
   scene.origin = {1000.0, 2000.0, 0.0};
@@ -35,7 +35,7 @@ TEST(Moment, PutsActorsWhereTheyAre) {
   EXPECT_TRUE(set.actor.empty());
   EXPECT_EQ(Eigen::RowVector3f(set.mean().row(0)), Eigen::RowVector3f(5.0F, 6.0F, 7.0F));
   EXPECT_TRUE(Eigen::RowVector3f(set.mean().row(1)).isApprox(Eigen::RowVector3f(0.0F, 11.0F, 0.5F), 1e-6F));
-  // What was seen from ahead of the car is seen from +y.
+  // The colour from ahead of the car is now the colour from +y.
   EXPECT_NEAR(set.sh(1)(1, 0), 1.0F, 1e-6F);
   EXPECT_NEAR(set.sh(3)(1, 0), 0.0F, 1e-6F);
   EXPECT_EQ(moment_of(scene, SetKind::kCamera, 5.0).size(), 1);
@@ -51,7 +51,7 @@ TEST(Moment, HasTheShapesOfThen) {
     for (int node = 0; node < 8; ++node)
       shape.offsets_m.insert(shape.offsets_m.end(), {0.1 * knot, 0.0, -0.2});
   }
-  // A metre ahead and 0.1 m more: the car looks along +y.
+  // A metre ahead and 0.1 m more: the car points along +y.
   const GaussianSet set = moment_of(scene, SetKind::kCamera, 1.0);
   EXPECT_TRUE(Eigen::RowVector3f(set.mean().row(1)).isApprox(Eigen::RowVector3f(0.0F, 11.1F, 0.3F), 1e-6F));
 }

@@ -15,7 +15,7 @@ TEST(Mounting, AxesAreTheRigsAtZero) {
   const Mounting mounting{.position_m = {1.0, 2.0, 3.0}};
   expect_near(mounting.rig_from_lidar() * Vector3d(1.0, 0.0, 0.0), {2.0, 2.0, 3.0});
   expect_near(mounting.rig_from_lidar() * Vector3d(0.0, 0.0, 1.0), {1.0, 2.0, 4.0});
-  // A camera looks along x, upright: its right is the rig's right, its down the rig's down.
+  // A camera along x, upright: its right is the rig's right, its down the rig's down.
   expect_near(mounting.rig_from_camera() * Vector3d(0.0, 0.0, 1.0), {2.0, 2.0, 3.0});
   expect_near(mounting.rig_from_camera() * Vector3d(1.0, 0.0, 0.0), {1.0, 1.0, 3.0});
   expect_near(mounting.rig_from_camera() * Vector3d(0.0, 1.0, 0.0), {1.0, 2.0, 2.0});
@@ -27,7 +27,7 @@ TEST(Mounting, AnglesTurnAsSaid) {
   expect_near(Mounting{.pitch_deg = 90.0}.rig_from_camera() * ahead, {0.0, 0.0, -1.0});  // down
   expect_near(Mounting{.roll_deg = 90.0}.rig_from_camera() * ahead, {1.0, 0.0, 0.0});
   expect_near(Mounting{.roll_deg = 90.0}.rig_from_camera() * right, {0.0, 0.0, -1.0});  // left side up
-  // First roll, then pitch, then yaw, about axes of the rig: looks to the left, its right side down.
+  // First roll, then pitch, then yaw, about axes of the rig: points to the left, its right side down.
   const Mounting all{.roll_deg = 90.0, .pitch_deg = 0.0, .yaw_deg = 90.0};
   expect_near(all.rig_from_lidar() * Vector3d::UnitX(), {0.0, 1.0, 0.0});
   expect_near(all.rig_from_lidar() * Vector3d::UnitY(), {0.0, 0.0, 1.0});

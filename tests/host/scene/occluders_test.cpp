@@ -9,7 +9,7 @@
 namespace simuli {
 namespace {
 
-/// Two cars at rest for two seconds; the second one hides a particle, and another fills its place.
+/// Returns two cars at rest for two seconds; the second hides a particle and has an inpainted one.
 Scene two_cars_and_a_place() {
   Scene scene;
   scene.origin = {100.0, 0.0, 0.0};
@@ -39,7 +39,7 @@ TEST(Occluders, ShowWhatTheyHideUntilTheyAreElsewhere) {
   const Scene scene = two_cars_and_a_place();
   ASSERT_EQ(most_numbers(scene), 4U);
   EXPECT_EQ(shown(scene, 1.0), (std::vector<bool>{true, true, true, false}));
-  // It was not recorded then: what training showed stays.
+  // Not recorded at this time: the trained particles remain.
   EXPECT_EQ(shown(scene, 5.0), (std::vector<bool>{false, false, true, false}));
   const std::vector<ActorView> views = owners_during(scene, scene.actors, 1.0, 1.0, std::nullopt);
   EXPECT_TRUE(views[2].scene_from_actor_start.translation.isZero());
@@ -123,11 +123,11 @@ TEST(Occluders, AreNoActorsThatHoldASetsSize) {
 
 TEST(Occluders, AreSeenThroughInSetsWithoutActors) {
   Scene scene = two_cars_and_a_place();
-  // Without any actor their places are seen.
+  // Without actors the disoccluded particles are visible.
   const GaussianSet background = background_of(scene, SetKind::kCamera);
   ASSERT_EQ(background.size(), 2);
   EXPECT_EQ(background.mean()(1, 0), 4.0F);
-  // As recorded, with both cars: all but what fills.
+  // As recorded, with both cars: all but the inpainted particle.
   const GaussianSet then = moment_of(scene, SetKind::kCamera, 1.0);
   ASSERT_EQ(then.size(), 4);
   EXPECT_EQ(then.mean()(3, 0), 3.0F);

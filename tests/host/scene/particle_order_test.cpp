@@ -9,7 +9,7 @@
 namespace simuli {
 namespace particle_order_test {
 
-/// Particle i at places[i], i in its opacity.
+/// Returns particle i at places[i] with opacity i.
 GaussianSet particles_at(const std::vector<Eigen::Vector3f>& places) {
   GaussianSet set(SetKind::kCamera, 0, static_cast<Eigen::Index>(places.size()));
   for (std::size_t i = 0; i < places.size(); ++i) {

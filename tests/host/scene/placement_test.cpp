@@ -94,7 +94,7 @@ TEST(Placement, AnObjectStandsOnItsBase) {
   EXPECT_TRUE(scene.actors[0].size_m.isApprox(Vector3d(2, 1, 1)));
   EXPECT_TRUE(scene.actors[0].is_there(3600.0));
   EXPECT_TRUE(scene.actors[0].at(12.0).translation.isApprox(Vector3d(10, 20, 30.5)));
-  ASSERT_EQ(scene.camera.size(), 2);  // without what is an actor's
+  ASSERT_EQ(scene.camera.size(), 2);  // without the actor's particles
   EXPECT_EQ(scene.camera.mean().row(0), Eigen::RowVector3f(-1.0F, -0.5F, -0.5F));
   EXPECT_EQ(scene.lidar.size(), 2);
   expect_error(ErrorKind::kInput, "particles", [] { (void)as_actor(Scene{}, "x", {}); });

@@ -10,7 +10,7 @@
 namespace simuli {
 namespace {
 
-/// Three chunks of 100 m along x, as places 5 m apart tell them.
+/// Returns three chunks of 100 m along x, defined by positions 5 m apart.
 std::vector<VisibilitySet> three_chunks() {
   std::vector<VisibilitySet> visibility_sets(3);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -21,7 +21,7 @@ std::vector<VisibilitySet> three_chunks() {
   return visibility_sets;
 }
 
-TEST(Vistas, AreSeenFromTheirStretchAndFadeBehindIt) {
+TEST(VisibilitySets, AreVisibleFromTheirChunkAndFadeBehindIt) {
   const std::vector<VisibilitySet> visibility_sets = three_chunks();
   const auto shares = [&](double x, double y) { return visibility_shares(visibility_sets, {x, y, 1.5}); };
   const auto expect = [&](double x, double y, double first, double second, double third) {
@@ -35,7 +35,7 @@ TEST(Vistas, AreSeenFromTheirStretchAndFadeBehindIt) {
   expect(50.0, 0.0, 1.0, 0.0, 0.0);
   expect(52.5, 3.0, 1.0, 0.0, 0.0);
   expect(100.0, 0.0, 1.0, 1.0, 0.0);
-  expect(102.0, 0.0, 0.75, 1.0, 0.0);  // the eye is 1.5 m above the path
+  expect(102.0, 0.0, 0.75, 1.0, 0.0);  // the camera is 1.5 m above the trajectory
   expect(105.5, 0.0, 0.0, 1.0, 0.0);
   expect(150.0, 3.0, 0.0, 1.0, 0.0);
   expect(400.0, 0.0, 0.0, 0.0, 1.0);
@@ -51,7 +51,7 @@ TEST(Vistas, AreSeenFromTheirStretchAndFadeBehindIt) {
   EXPECT_EQ(visibility_shares({place}, {900.0, 0.0, 0.0}), std::vector<double>{1.0});
 }
 
-TEST(Vistas, AreOwnersBetweenActorsAndOccluders) {
+TEST(VisibilitySets, AreOwnersBetweenActorsAndOccluders) {
   Scene scene;
   scene.origin = {1000.0, 0.0, 0.0};
   scene.visibility_sets = three_chunks();
@@ -81,7 +81,7 @@ TEST(Vistas, AreOwnersBetweenActorsAndOccluders) {
   EXPECT_NEAR(views[1].share, 0.75, 1e-9);
   EXPECT_EQ(views[2].share, 1.0);
 
-  // Programs that know nothing of all this get each place once, of the visibility_set that is nearest to it.
+  // Programs without visibility sets receive each particle once, from the nearest visibility set.
   scene.camera = GaussianSet(SetKind::kCamera, 0, 9);
   scene.camera.rotation().col(0).setOnes();
   scene.camera.mean().col(0) << 0.0F, 1.0F, 50.0F, 150.0F, 250.0F, 5.0F, 150.0F, 99.0F, 201.0F;
@@ -91,7 +91,7 @@ TEST(Vistas, AreOwnersBetweenActorsAndOccluders) {
   EXPECT_EQ(moment_of(scene, SetKind::kCamera, 1.0).size(), 6);
 }
 
-TEST(Vistas, HaveOccludersOfTheirOwn) {
+TEST(VisibilitySets, HaveOccludersOfTheirOwn) {
   Scene scene;
   scene.visibility_sets = three_chunks();
   Actor car{"car", "car", {4.0, 2.0, 1.5}, {}};
@@ -125,15 +125,15 @@ TEST(Vistas, HaveOccludersOfTheirOwn) {
   EXPECT_NEAR(recorded[3], 0.75, 1e-9);
   EXPECT_EQ((std::vector<double>(recorded.begin() + 4, recorded.end())),
             (std::vector<double>{1.0, 0.0, 1.0, 0.0, recorded[3], 0.0}));
-  const std::vector<double> without = shares({}, eye);  // one owner fewer before them
+  const std::vector<double> without = shares({}, eye);  // one owner fewer in front
   EXPECT_EQ((std::vector<double>(without.begin() + 3, without.end())),
             (std::vector<double>{0.0, 1.0, 0.0, 1.0, 0.0, recorded[3]}));
-  // LiDARs, which have no visibility_sets, see all.
+  // LiDARs have no visibility sets and use all particles.
   const std::vector<double> of_lidar = shares(scene.actors, std::nullopt);
   EXPECT_EQ((std::vector<double>(of_lidar.begin() + 4, of_lidar.end())),
             (std::vector<double>{1.0, 0.0, 1.0, 0.0, 1.0, 0.0}));
 
-  // What is instead of something behind a visibility_set's actor is there where that visibility_set is nearest.
+  // Inpainted particles of an actor of a visibility set are used where that visibility set is nearest.
   scene.camera = GaussianSet(SetKind::kCamera, 0, 4);
   scene.camera.rotation().col(0).setOnes();
   scene.camera.mean().col(0) << 50.0F, 150.0F, 60.0F, 160.0F;
@@ -143,8 +143,8 @@ TEST(Vistas, HaveOccludersOfTheirOwn) {
   EXPECT_EQ(moment_of(scene, SetKind::kCamera, 1.0).mean().col(0).sum(), 160.0F);
 }
 
-// From above all are about as far: more of them are seen, and all of the nearest.
-TEST(Vistas, AreSeenTogetherFromAfar) {
+// From above all sets have similar distances: several are used, the nearest completely.
+TEST(VisibilitySets, AreSeenTogetherFromAfar) {
   const std::vector<double> shares = visibility_shares(three_chunks(), {150.0, 0.0, 100.0});
   EXPECT_NEAR(shares[0], 1.0 - (std::hypot(50.0, 100.0) - 100.0) / 100.0, 1e-9);
   EXPECT_EQ(shares[1], 1.0);

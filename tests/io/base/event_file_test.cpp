@@ -19,7 +19,7 @@ std::uint64_t fixed(const std::string& bytes, std::size_t at, std::size_t size) 
   return value;
 }
 
-/// The messages of a file whose checksums are right.
+/// Returns the messages of a file with valid checksums.
 std::vector<std::string> records(const std::string& bytes) {
   std::vector<std::string> out;
   for (std::size_t at = 0; at < bytes.size();) {

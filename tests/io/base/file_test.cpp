@@ -41,7 +41,7 @@ TEST(File, RefusesWhatCannotBeRead) {
   EXPECT_EQ(read_file(file, 5), "12345");
 }
 
-/// Nobody waits for a pipe's writer, or puts a file in its place.
+/// A pipe is neither waited for nor replaced.
 TEST(File, APipeIsNoFile) {
   const Scratch scratch;
   const fs::path pipe = scratch / "pipe.png";
@@ -53,7 +53,7 @@ TEST(File, APipeIsNoFile) {
   expect_input_error([&] { need_writable(pipe); }, {"pipe.png: file: found a pipe"});
   EXPECT_TRUE(fs::is_fifo(pipe));
   EXPECT_EQ(entries_of(scratch.path()), 1U);
-  EXPECT_NO_THROW(need_regular_file(scratch / "none"));  // its reader says so
+  EXPECT_NO_THROW(need_regular_file(scratch / "none"));  // its reader reports it
 }
 
 TEST(File, RefusesWhereNothingCanBeWritten) {

@@ -19,7 +19,7 @@ TEST(Inside, IsWhatLiesInTheFolder) {
   EXPECT_EQ(inside(folder, "absent", "log.json", "points"), folder / "absent");
   for (const char* none : {"", "none", "none/", "./none/", "/none/"})
     EXPECT_EQ(inside(none, "absent", "log.json", "points"), fs::path(none) / "absent");
-  // A link that stays, and a folder that is one itself.
+  // A link inside, and a folder that is a link.
   fs::create_symlink("images", folder / "pictures");
   EXPECT_EQ(inside(folder, "pictures/0.png", "log.json", "file"), folder / "pictures/0.png");
   fs::create_directory_symlink(folder, scratch / "linked.log");
@@ -45,7 +45,7 @@ TEST(Inside, RefusesWhatLeadsOut) {
   refused("file", "a link that leads out");
   refused("folder/x", "a link that leads out");
   refused("circle", "which can't be followed");
-  // Links to another disk are usual in data sets.
+  // Links to other disks are common in data sets.
   EXPECT_EQ(below(folder, "folder/x", "a.json", "filename"), folder / "folder/x");
   expect_input_error([&] { (void)below(folder, "../x", "a.json", "filename"); }, {"a.json: filename"});
 }

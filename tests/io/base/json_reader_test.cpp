@@ -113,7 +113,7 @@ TEST(JsonReader, ReadsAsNlohmannDoes) {
       words = error.what();
     }
     words = words.substr(words.find(' ') + 1);
-    words = words.substr(0, words.find("last read"));  // of the file: shown as text
+    words = words.substr(0, words.find("last read"));  // of the file, quoted in the message
     expect_input_error([&] { (void)parse_json(text, "x.json"); }, {"x.json: JSON: found " + words});
   }
 }
@@ -139,7 +139,7 @@ TEST(JsonReader, RefusesWhatNestsTooDeep) {
     return "{\"a\":" + std::string(n, '[') + std::string(n, ']') + "}";
   };
   read(nested(63), nothing);
-  // Whole, cut off, and of objects: none gets as far as somebody's stack.
+  // Complete, truncated, and of objects: none overflows the stack.
   const std::string deep = nested(100'000);
   expect_input_error([&] { read(deep, nothing); }, {"x.json: JSON: found more than 64 levels"});
   expect_input_error([&] { read(deep.substr(5), nothing); }, {"found more than 64 levels"});
@@ -173,8 +173,8 @@ TEST(JsonReader, MessagesStayShortWhateverTheFileHolds) {
 }
 
 TEST(JsonReader, TakesTimeInProportionToALongListOrObject) {
-  // nuScenes' tables have 2.6 million entries. Eight times as many take 64 times as long where each one looks
-  // through all that stand before it.
+  // Tables of nuScenes have 2.6 million entries. With a linear search per entry, eight times as many would
+  // take 64 times as long.
   const auto seconds = [](int count, bool keyed) {
     std::string text = keyed ? "{" : "{\"list\": [";
     for (int i = 0; i < count; ++i) {
@@ -195,7 +195,7 @@ TEST(JsonReader, TakesTimeInProportionToALongListOrObject) {
 TEST(JsonReader, RefusesAKeyThatStandsTwice) {
   const auto number = [](JsonObject& root) { (void)root.number("a"); };
   expect_input_error([&] { read(R"({"a": 1, "a": 2})", number); }, {"x.json: \"a\": found the key twice"});
-  // The same key in another object is another key.
+  // The same key in another object is allowed.
   const auto nested = [](JsonObject& root) {
     return root.object("a", [](JsonObject& o) { return o.number("a"); });
   };

@@ -46,7 +46,7 @@ TEST(ReplacedFolder, IsTheOldOneOrTheNewOne) {
   put(scratch / "x/", "new");
   EXPECT_EQ(read_file(scratch / "x/a"), "new");
   EXPECT_EQ(entries_of(scratch.path()), 1U);
-  // Through a link: what it leads to is replaced.
+  // Through a link: its target is replaced.
   fs::create_directory_symlink("x", scratch / "link");
   put(scratch / "link", "newer");
   EXPECT_TRUE(fs::is_symlink(scratch / "link"));
@@ -100,7 +100,7 @@ TEST(OutputLock, IsOfOneProcess) {
   }
   EXPECT_EQ(taken(), 0);
   EXPECT_EQ(entries_of(scratch.path()), 0U);
-  // Killed: the file stays, the lock does not.
+  // After a kill the file remains, the lock does not.
   const pid_t killed = fork();
   if (killed == 0) {
     const OutputLock lock(scratch / "x.scene");
@@ -151,7 +151,7 @@ TEST(Temporaries, AtTheEndAlsoThoseGoThatAreMadeJustThen) {
     ::_exit(0);
   }
   waitpid(ends, nullptr, 0);
-  // Unless it was whole, and in its place, before anybody could look.
+  // Unless it was complete before the signal.
   EXPECT_EQ(entries_of(scratch.path()), fs::exists(scratch / "x") ? 1U : 0U);
 }
 
@@ -159,7 +159,7 @@ TEST(Temporaries, GoSoonWhoeverHoldsThem) {
   const Scratch scratch;
   const pid_t ends = fork();
   if (ends == 0) {
-    const Temporary folder(scratch / "x.log");  // of a thread that is in its sums for long
+    const Temporary folder(scratch / "x.log");  // of a thread in a long computation
     fs::create_directories(folder.path() / "images");
     const auto begin = std::chrono::steady_clock::now();
     remove_temporaries();
@@ -206,11 +206,11 @@ TEST(Temporaries, OfDeadProcessesGo) {
   remove_stale_temporaries(scratch / "x.scene.checkpoint");
   EXPECT_EQ(entries_of(scratch.path()), 3U);
   write_folder_atomically(scratch / "x.scene", [](const fs::path&) {});
-  EXPECT_EQ(entries_of(scratch.path()), 3U);  // the half folder has gone, the whole one is there
+  EXPECT_EQ(entries_of(scratch.path()), 3U);  // the incomplete folder is removed, the complete one exists
   EXPECT_TRUE(fs::exists(scratch / "x.scene"));
 }
 
-/// Listing a folder takes a descriptor.
+/// Listing a folder needs a descriptor.
 TEST(Temporaries, GoWithoutADescriptorLeft) {
   const Scratch scratch;
   const pid_t child = fork();
@@ -223,7 +223,7 @@ TEST(Temporaries, GoWithoutADescriptorLeft) {
       while (::open("/dev/null", O_RDONLY) >= 0) {
       }
     }
-    // Nor is one begun that could not be removed.
+    // A temporary that could not be removed is not created.
     try {
       const Temporary another(scratch / "y");
       fs::create_directories(another.path());

@@ -51,7 +51,7 @@ TEST_F(StateFileTest, BlocksComeBackAsTheyWere) {
   EXPECT_TRUE(file.block("nothing").empty());
   EXPECT_FALSE(file.has("lidar/parameters"));
   EXPECT_THROW((void)file.block("lidar/parameters"), Error);
-  // Nothing else lies beside it.
+  // No other file exists beside it.
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(scratch_.path()))
     files += entry.is_regular_file() ? 1U : 0U;
@@ -80,7 +80,7 @@ TEST_F(StateFileTest, AnyCutAndAnyChangedByteIsRefused) {
       stream.seekp(static_cast<std::streamoff>(at));
       stream.put(static_cast<char>(byte ^ 0x10));
     }
-    // A changed name is a block of another name, which its reader misses; all else shows by itself.
+    // A changed name is a missing block for the reader; all other damage is detected.
     try {
       const StateFile state(file);
       const bool same = state.has("camera/parameters") && state.has("nothing") && state.has("iteration") &&

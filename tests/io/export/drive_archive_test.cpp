@@ -20,7 +20,7 @@ using test::expect_input_error;
 using test::Scratch;
 using Json = nlohmann::ordered_json;
 
-/// What stands in a zip without compression, each at a multiple of 64.
+/// Returns the files of a zip without compression, each at a multiple of 64.
 std::map<std::string, std::string> files_of(const std::string& zip) {
   std::map<std::string, std::string> out;
   const auto number = [&](std::size_t at, std::size_t bytes) {
@@ -38,8 +38,8 @@ std::map<std::string, std::string> files_of(const std::string& zip) {
   return out;
 }
 
-/// A path of two poses far from the world's origin, one rolling camera, one car with three poses and a box
-/// with one, and flat ground.
+/// Returns a trajectory of two poses far from the world origin, a rolling-shutter camera, a car with three
+/// poses and a box with one, and flat ground.
 SceneFile small_drive() {
   SceneFile file;
   file.scene.name = "drive";
@@ -87,7 +87,7 @@ TEST(DriveArchive, TellsWhatTheRuntimeReads) {
   EXPECT_EQ(told.actors, 2U);
   EXPECT_EQ(told.cameras_without_model, 0U);
   const std::string zip = read_file(scratch / "a.usdz");
-  EXPECT_EQ(zip.substr(30, 11), "splats.usda");  // a layer first, for readers of USD
+  EXPECT_EQ(zip.substr(30, 11), "splats.usda");  // readers of USD need a layer first
   const auto files = files_of(zip);
   EXPECT_EQ(files.size(), 8U);
 
@@ -106,22 +106,23 @@ TEST(DriveArchive, TellsWhatTheRuntimeReads) {
   EXPECT_EQ(rig.at("world_to_nre").at("matrix"), identity);
   const Json& path = rig.at("rig_trajectories").at(0);
   EXPECT_EQ(path.at("sequence_id"), "drive");
-  EXPECT_EQ(path.at("T_rig_worlds").at(0), identity);  // m from the scene's origin
+  EXPECT_EQ(path.at("T_rig_worlds").at(0), identity);  // m relative to the scene origin
   EXPECT_EQ(path.at("T_rig_worlds").at(1).at(0).at(3), 10.0);
   EXPECT_NEAR(path.at("T_rig_worlds").at(1).at(1).at(0).get<double>(), 1.0, 1e-12);
-  // The path begins half a second before the log: a whole second is added.
+  // The trajectory starts half a second before the log: all times are shifted by one second.
   EXPECT_EQ(path.at("T_rig_world_timestamps_us"), Json::array({500000, 2000000}));
   EXPECT_EQ(path.at("cameras_frame_timestamps_us").at("front"),
             Json::parse("[[1100000, 1130000], [1200000, 1200001]]"));
   EXPECT_TRUE(path.at("rig_bbox").is_null());
   const Json& camera = rig.at("camera_calibrations").at("front");
   EXPECT_EQ(camera.at("logical_sensor_name"), "front");
-  EXPECT_EQ(camera.at("T_sensor_rig").at(0), Json::array({0.0, 0.0, 1.0, 1.5}));  // looks along the rig's x
+  EXPECT_EQ(camera.at("T_sensor_rig").at(0), Json::array({0.0, 0.0, 1.0, 1.5}));  // points along the rig's x
   EXPECT_EQ(camera.at("camera_model").at("type"), "ftheta");
   const Json& model = camera.at("camera_model").at("parameters");
   EXPECT_EQ(model.at("resolution"), Json::array({64, 32}));
   EXPECT_EQ(model.at("shutter_type"), "ROLLING_TOP_TO_BOTTOM");
-  EXPECT_EQ(model.at("principal_point"), Json::array({30.0, 15.75}));  // from the first pixel's centre
+  // relative to the centre of the first pixel
+  EXPECT_EQ(model.at("principal_point"), Json::array({30.0, 15.75}));
   EXPECT_EQ(model.at("reference_poly"), "ANGLE_TO_PIXELDIST");
   const std::vector<double> degrees{0.0, 40.0, 0.0, -1.5, 0.0, 0.0};
   for (std::size_t i = 0; i < 6; ++i)
@@ -141,7 +142,7 @@ TEST(DriveArchive, TellsWhatTheRuntimeReads) {
 
   const std::string& map = files.at("map.xodr");
   EXPECT_NE(map.find("x=\"0.000000000\" y=\"0.000000000\""), std::string::npos) << map;
-  EXPECT_NE(map.find("a=\"0.000000\""), std::string::npos);  // the ground, 0.5 m below the path's end
+  EXPECT_NE(map.find("a=\"0.000000\""), std::string::npos);  // the ground, 0.5 m below the trajectory
 
   const Json info = Json::parse(files.at("data_info.json"));
   EXPECT_EQ(info.at("pose-range").at("end-timestamp_us"), 2000000);
@@ -216,7 +217,7 @@ TEST(DriveArchive, RefusesWhatIsNoDrive) {
   expect_input_error([&] { write_drive_archive(scratch / "a.usdz", scene, "a"); }, {"a.usdz", "path"});
   EXPECT_FALSE(std::filesystem::exists(scratch / "a.usdz"));
   SceneFile floating = small_drive();
-  floating.scene.lidar.opacity_logit().setConstant(-3.0F);  // nothing solid
+  floating.scene.lidar.opacity_logit().setConstant(-3.0F);  // no solid surface
   EXPECT_EQ(write_drive_archive(scratch / "f.usdz", floating, "f").ground_triangles, 0U);
   EXPECT_EQ(files_of(read_file(scratch / "f.usdz")).count("mesh_ground.ply"), 0U);
   EXPECT_EQ(files_of(read_file(scratch / "f.usdz")).count("mesh.ply"), 0U);

@@ -11,7 +11,7 @@
 namespace simuli {
 namespace {
 
-/// Attributes of each element of that name, in order.
+/// Returns the attributes of each element of this name, in order.
 std::vector<std::map<std::string, double>> elements(const std::string& xml, const std::string& name) {
   std::vector<std::map<std::string, double>> out;
   for (std::size_t at = xml.find('<' + name + ' '); at != std::string::npos;
@@ -34,8 +34,8 @@ struct RoadPoint {
   double heading;
 };
 
-/// The reference line, walked in steps of a centimetre: nothing of the code that made it. Pieces have to
-/// begin where those before end, and, `smooth`, as they head there.
+/// Follows the reference line in steps of a centimetre, independently of the exporter. Pieces must start
+/// where the previous ones end and, if `smooth`, with the same heading.
 std::vector<RoadPoint> walked(const std::string& xml, bool smooth = true) {
   std::vector<RoadPoint> out;
   double s = 0.0;
@@ -84,7 +84,7 @@ Pose at(double x, double y, double z, double heading) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(heading, Eigen::Vector3d::UnitZ())), {x, y, z}};
 }
 
-/// Along a line whose bends come and go: `along_m` for each pose; 1.8 m above the ground.
+/// Returns poses along a line with varying curvature at each of `along_m`; 1.8 m above the ground.
 std::vector<Pose> bends(const std::vector<double>& along_m) {
   std::vector<Pose> out;
   for (const double along : along_m) {
@@ -104,7 +104,7 @@ std::vector<Pose> bends(const std::vector<double>& along_m) {
 TEST(RoadMap, LiesAlongAPathThatStandsAndReverses) {
   std::vector<double> along;
   for (double s = 0.0; s < 120.0; s += 0.8) along.push_back(s);
-  for (int i = 0; i < 100; ++i) along.push_back(120.0 + 0.02 * std::sin(1.7 * i));  // stands
+  for (int i = 0; i < 100; ++i) along.push_back(120.0 + 0.02 * std::sin(1.7 * i));  // at rest
   for (double s = 120.0; s > 112.0; s -= 0.3) along.push_back(s);                   // reverses
   for (double s = 112.0; s < 220.0; s += 1.1) along.push_back(s);
   const std::vector<Pose> rig = bends(along);
@@ -115,7 +115,7 @@ TEST(RoadMap, LiesAlongAPathThatStandsAndReverses) {
   EXPECT_LT(farthest, 0.05);
   EXPECT_NEAR(road.back().s, 219.8, 1.2);
   EXPECT_LT(elements(xml, "geometry").size(), 60U);
-  EXPECT_NEAR(elevation_at(xml, 100.0), 1.8, 1e-6);  // the rig's: no ground is known
+  EXPECT_NEAR(elevation_at(xml, 100.0), 1.8, 1e-6);  // height of the rig: the ground is unknown
   EXPECT_EQ(xml.find("geoReference"), std::string::npos);
 }
 
@@ -154,7 +154,8 @@ TEST(RoadMap, EndsWhereTheDriveEnds) {
   const double length = road_line(rig).length_m();
   EXPECT_NEAR(length, 30.1, RoadLine::kGrid_m);
   EXPECT_LE(length, 30.1);
-  EXPECT_LT(static_cast<double>(static_cast<float>(length)), length);  // where CARLA looks for its end
+  // position at which CARLA looks up the end
+  EXPECT_LT(static_cast<double>(static_cast<float>(length)), length);
   EXPECT_GT(static_cast<double>(static_cast<float>(length)), length - 1e-6);
 }
 
@@ -177,7 +178,7 @@ TEST(RoadMap, FollowsWhatWasDrivenWhicheverWayTheRigFaced) {
   const std::vector<RoadPoint> road = walked(road_map(back, GroundMap()));
   EXPECT_NEAR(road.front().place.x(), 0.0, 1e-6);
   EXPECT_NEAR(road.back().place.x(), -19.5, 0.3);
-  // Out of a gap, backwards, and off: the road is the way that was longer.
+  // Out of a gap, backwards, and away: the road is the longer direction.
   for (int i = 0; i < 10; ++i) turned.push_back(at(0.0, -0.5 * i, 0.0, M_PI / 2.0));
   for (int i = 0; i < 60; ++i) turned.push_back(at(0.0, -4.5 + 0.5 * i, 0.0, M_PI / 2.0));
   const std::vector<RoadPoint> off = walked(road_map(turned, GroundMap()));

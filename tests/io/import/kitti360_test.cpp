@@ -29,8 +29,9 @@ constexpr const char* kFisheye =
     "mirror_parameters:\n   xi: 2.2\ndistortion_parameters:\n   k1: 0.016\n   k2: 1.6\n   p1: 4.0e-04\n"
     "   p2: 5.0e-04\nprojection_parameters:\n   gamma1: 13.4\n   gamma2:13.3\n   u0: 4.6\n   v0: 4.5\n";
 
-/// A sequence of the room of KittiFolder, driven 1 m a frame along their world's x: frame 2 has no pose,
-/// frame 3 no sweep, the fisheye one picture, image_03 no folder. Their IMU looks x forward, y right, z down.
+/// A sequence of the room of KittiFolder, driven 1 m per frame along the data set's world x: frame 2 has no
+/// pose, frame 3 no sweep, the fisheye one picture, image_03 no folder. The IMU has x forward, y right, z
+/// down.
 class Folder {
  public:
   explicit Folder(const Scratch& scratch) : root(scratch / "kitti360") {
@@ -96,7 +97,7 @@ TEST(Kitti360, ASequenceBecomesALog) {
   EXPECT_NEAR(log.sweeps[0].time_start_s, -0.05, 1e-9);
   EXPECT_NEAR(log.sweeps[3].time_end_s, 0.45, 1e-9);
   EXPECT_NEAR(log.images[0].time_start_s, 0.01, 1e-9);
-  // The velodyne's own frame at the first pose; the second frame lies between its neighbours.
+  // The velodyne's frame at the first pose; the pose of the second frame is interpolated.
   EXPECT_LT((log.world_from_rig.at(0.2).translation - Eigen::Vector3d(2, 0, 0)).norm(), 1e-9);
   EXPECT_LT(log.world_from_rig.at(0.4).rotation.angularDistance(Eigen::Quaterniond::Identity()), 1e-9);
 
@@ -106,7 +107,7 @@ TEST(Kitti360, ASequenceBecomesALog) {
   EXPECT_LT((left.rig_from_camera.rotation * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitX()).norm(),
             1e-9);
   EXPECT_LT((left.rig_from_camera.translation - Eigen::Vector3d(0.8, 0.3, -0.2)).norm(), 1e-9);
-  // Rectified: turned by the inverse of R_rect_01 about its own y, and 0.6 m to the right.
+  // Rectified: rotated by the inverse of R_rect_01 about its y axis, and 0.6 m to the right.
   const LogCamera& right = log.camera("image_01");
   EXPECT_LT((right.rig_from_camera.translation - Eigen::Vector3d(0.8, -0.3, -0.2)).norm(), 1e-9);
   EXPECT_LT((right.rig_from_camera.rotation * Eigen::Vector3d::UnitZ() - Eigen::Vector3d(0.8, 0.6, 0)).norm(),
@@ -115,7 +116,7 @@ TEST(Kitti360, ASequenceBecomesALog) {
   EXPECT_EQ(fisheye.model.lens.kind(), LensKind::kMei);
   EXPECT_EQ(fisheye.model.lens.parameters().at(4), 2.2);
   EXPECT_EQ(fisheye.model.fy, 13.3);
-  // It looks to the left: their y is the right.
+  // It points to the left: the data set's y axis points right.
   EXPECT_LT((fisheye.rig_from_camera.rotation * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitY()).norm(),
             1e-9);
 

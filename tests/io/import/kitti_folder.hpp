@@ -1,5 +1,5 @@
 #pragma once
-// A small made-up KITTI raw drive: a room around the car, seen by every fourth beam except in a sector.
+// A small synthetic KITTI raw drive: a room around the car, measured by every fourth beam except in a sector.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -22,7 +22,7 @@ class KittiFolder {
   static constexpr int kFrames = 3;
   static constexpr int kFirings = 2150;
   static constexpr int kBeamStep = 4;
-  /// Beams return nothing where the azimuth lies in [first, last).
+  /// Beams have no return for azimuths in [first, last).
   static constexpr double kSilentFirst_rad = 0.5;
   static constexpr double kSilentLast_rad = 0.8;
 
@@ -64,7 +64,7 @@ class KittiFolder {
   [[nodiscard]] static std::string sweep_name(int i) {
     return name() + fmt::format("/velodyne_points/data/{:010}.bin", i);
   }
-  /// Replaces or makes a file below the folder of the date.
+  /// Replaces or creates a file in the folder of the date.
   void write(const std::string& file, const std::string& bytes) const {
     std::filesystem::create_directories((date_ / file).parent_path());
     std::ofstream(date_ / file, std::ios::binary) << bytes;
@@ -75,12 +75,12 @@ class KittiFolder {
     return text + "\n";
   }
 
-  /// Ring by ring, top to bottom, each counter-clockwise from azimuth 0, as float32 x y z reflectance.
+  /// Returns float32 x y z reflectance, ring by ring, top to bottom, each counter-clockwise from azimuth 0.
   [[nodiscard]] static std::string sweep_bytes() {
     const Lidar lidar = builtin_lidar("kitti_hdl64e");
     std::string bytes;
     for (int r = 0; r < lidar.row_count(); r += kBeamStep) {
-      // Beams do not fire at the same azimuths. 0 and 1 would lie half-way between two columns.
+      // Beams fire at different azimuths. 0 and 1 would be half-way between two columns.
       const double phase = 0.3 + 0.4 * r / lidar.row_count();
       for (int i = 0; i < kFirings; ++i) {
         const double azimuth = (i + phase) * 2.0 * std::numbers::pi / kFirings;

@@ -1,4 +1,4 @@
-// Which frames and cameras of a KITTI drive are imported, and what is lost in it.
+// Tests the selection of frames and cameras of a KITTI drive, and lost frames.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <utility>
@@ -17,7 +17,7 @@ using test::expect_input_error;
 using test::KittiFolder;
 using test::Scratch;
 
-/// As drive 0009 does: no file, and blank lines in the files of times.
+/// As in drive 0009: missing files, and blank lines in the files of times.
 TEST(KittiImport, LostSweepsAndPicturesAreGaps) {
   const Scratch scratch;
   const KittiFolder folder(scratch);
@@ -45,7 +45,7 @@ TEST(KittiImport, LostSweepsAndPicturesAreGaps) {
   EXPECT_EQ(read_file(log.folder / log.images[1].file), read_file(folder / KittiFolder::image_name(1)));
   EXPECT_EQ(log.world_from_rig.poses().size(), 3U);
 
-  // A file without a byte is no sweep of nothing but misses; one without a time is refused.
+  // An empty file is a missing sweep; a file without a time is rejected.
   folder.write(KittiFolder::sweep_name(1), "");
   KittiReport again;
   const Log same = import_kitti({folder.drive(), "", scratch / "again.log"}, {}, &again);
@@ -65,7 +65,7 @@ TEST(KittiImport, LostSweepsAndPicturesAreGaps) {
       {"velodyne_points/data: frames: found none of 0 to 2", "with something in it"});
 }
 
-/// Three times of a file; KittiFolder's are 60 ms, 160 ms and 260 ms after the drive's start.
+/// Returns three times of a file; KittiFolder's times are 60 ms, 160 ms and 260 ms after the drive's start.
 std::string times_at(const std::vector<int>& times_ms) {
   std::string text;
   for (const int ms : times_ms)
@@ -73,14 +73,14 @@ std::string times_at(const std::vector<int>& times_ms) {
   return text;
 }
 
-/// Clocks are set while they run. As few frames as possible go; what is left is as recorded.
+/// Clocks may be set during a drive. The smallest number of frames is left out; the others are unchanged.
 TEST(KittiImport, LeavesOutWhatIsOutOfOrder) {
   const Scratch scratch;
   const KittiFolder folder(scratch);
   const std::string drive = KittiFolder::name(), sweeps = drive + "/velodyne_points/";
   folder.write(drive + "/image_02/timestamps.txt", times_at({160, 60, 260}));
   folder.write(sweeps + "timestamps_start.txt",
-               times_at({0, 9000, 200}));  // one far ahead, not all behind it
+               times_at({0, 9000, 200}));  // one far ahead, not all others late
   folder.write(sweeps + "timestamps.txt", times_at({50, 9050, 250}));
   folder.write(sweeps + "timestamps_end.txt", times_at({100, 9100, 300}));
   folder.write(drive + "/oxts/timestamps.txt", times_at({50, 40, 250}));
@@ -99,7 +99,7 @@ TEST(KittiImport, LeavesOutWhatIsOutOfOrder) {
   EXPECT_EQ(log.world_from_rig.poses().size(), 2U);
   EXPECT_NEAR(log.lidars[0].with_rows().sweep_s, 0.1, 1e-9);
 
-  // Records of the path may be lost, too.
+  // Records of the trajectory may be missing, too.
   fs::remove(folder / (drive + "/oxts/data/0000000002.txt"));
   folder.write(drive + "/oxts/timestamps.txt", times_at({50, 150, 250}));
   KittiReport lost;
@@ -110,7 +110,7 @@ TEST(KittiImport, LeavesOutWhatIsOutOfOrder) {
   EXPECT_EQ(less.world_from_rig.poses().size(), 2U);
 }
 
-/// A recorder that paused: nothing is lost, and what passed meanwhile is no turn of the LiDAR.
+/// The recorder paused: no frame is lost, and the pause is no sweep of the LiDAR.
 TEST(KittiImport, TellsJumpsOfTheClock) {
   const Scratch scratch;
   const KittiFolder folder(scratch);
@@ -146,7 +146,7 @@ TEST(KittiImport, TakesAPartOfADrive) {
   constexpr double kTime_s = 2e-9;
   EXPECT_NEAR(part.images[0].time_start_s, 0.06, kTime_s);
   EXPECT_NEAR(part.sweeps[0].time_end_s, 0.1, kTime_s);
-  // The path goes on beside the part, and says the same of it.
+  // The trajectory extends beyond the part, with equal poses.
   const Pose there = whole.world_from_rig.at(0.16), here = part.world_from_rig.at(0.06);
   EXPECT_EQ(part.world_from_rig.poses().size(), 3U);
   EXPECT_LT((there.translation - here.translation).norm(), 1e-6);
@@ -175,7 +175,7 @@ TEST(KittiImport, TakesTheCamerasThatAreNamed) {
     calibration +=
         fmt::format("S_rect_{}: 12 8\nP_rect_{}: 10 0 6 {} 0 10 4 0 0 0 1 0\n", number, number, baseline);
     if (name == "image_03") continue;
-    for (int i = 0; i < KittiFolder::kFrames; ++i) {  // of one channel
+    for (int i = 0; i < KittiFolder::kFrames; ++i) {  // pictures of one channel
       write_image(folder / (KittiFolder::name() + fmt::format("/{}/data/{:010}.png", name, i)),
                   Image(12, 8, 1));
     }
@@ -188,7 +188,8 @@ TEST(KittiImport, TakesTheCamerasThatAreNamed) {
   for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(log.images[c].camera, cameras[c]);
   const Image grey = read_image(log.folder / log.images[2].file);
   EXPECT_EQ(grey.width, 12);
-  // 0.05 m and -0.5 m off camera 0 along x of the cameras: the right one stands 0.55 m to the left's right.
+  // At 0.05 m and -0.5 m from camera 0 along the cameras' x: the right camera is 0.55 m to the right of the
+  // left one.
   const Pose left_from_right =
       log.camera("image_02").rig_from_camera.inverse() * log.camera("image_03").rig_from_camera;
   EXPECT_LT((left_from_right.translation - Eigen::Vector3d(0.55, 0.0, 0.0)).norm(), 1e-12);

@@ -105,8 +105,8 @@ TEST(KittiColumns, AreUniqueIncreasingAndClose) {
     std::vector<double> azimuths;
     const double phase = unit(random);
     for (int i = 0; i < kColumns; ++i) {
-      if (unit(random) < 0.2) continue;  // nothing returned
-      // The encoder's rounding moves a firing by up to a quarter of a step either way.
+      if (unit(random) < 0.2) continue;  // no return
+      // The encoder's rounding moves a firing by up to a quarter of a step.
       const double column = std::clamp(i + phase - 0.5 + 0.5 * (unit(random) - 0.5), -0.5, kColumns - 0.5);
       azimuths.push_back(kPi - (column + 0.5) / kColumns * 2.0 * kPi);
     }

@@ -24,7 +24,8 @@ using test::Scratch;
 /// Float32 azimuth, elevation and range at 120 m: 0.03 mm; the files' own float32 rounding: 0.01 mm.
 constexpr double kReprojection_m = 1e-3;
 
-/// Every point of the file is one ray of the sweep, in the order of beams and firings; the farthest distance.
+/// Returns the largest distance between the file's points and the sweep's points, which must be in the order
+/// of beams and columns.
 double reprojection_error_m(const kitti::BeamPoints& beams, const Sweep& sweep, const Lidar& lidar) {
   double farthest = 0.0;
   for (std::size_t r = 0; r < beams.rows.size(); ++r) {
@@ -82,7 +83,7 @@ TEST(KittiImport, BuildsTheFullFiringGrid) {
   EXPECT_EQ(report.returned, report.points);
   EXPECT_EQ(report.ring_agrees, report.points);
   EXPECT_EQ(report.rays, 3 * lidar.ray_count());
-  // What the silent sector leaves out, to one firing per beam.
+  // The number of rays in the silent sector, up to one per beam.
   const double silent =
       (KittiFolder::kSilentLast_rad - KittiFolder::kSilentFirst_rad) / (2.0 * std::numbers::pi);
   const double empty =
@@ -92,7 +93,7 @@ TEST(KittiImport, BuildsTheFullFiringGrid) {
   const Sweep sweep = read_sweep(log.folder / log.sweeps[1].file, lidar);
   const auto points = kitti::read_points(folder / KittiFolder::sweep_name(1));
   EXPECT_LT(reprojection_error_m(kitti::sort_into_beams(points, lidar), sweep, lidar), kReprojection_m);
-  // Silent rays point into the silent sector, and nowhere else; one firing either side may round away.
+  // Rays without a return are in the silent sector; one firing on either side may be lost by rounding.
   const double step = 2.0 * std::numbers::pi / KittiFolder::kFirings;
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     const auto row = static_cast<int>(i) / lidar.columns;
@@ -118,13 +119,14 @@ TEST(KittiImport, KeepsImagesTimesAndPoses) {
     EXPECT_NEAR(log.sweeps[static_cast<std::size_t>(i)].time_end_s, 0.1 + 0.1 * i, kTime_s);
   }
   EXPECT_EQ(log.start_ns, 1317081599000000000);  // 2011-09-26 23:59:59
-  // The world is the velodyne at the first pose; 1e-5 degree of longitude at 49 degrees north is 0.7320 m.
+  // The world frame is the velodyne at the first pose; 1e-5 degree of longitude at 49 degrees north is 0.7320
+  // m.
   const auto& poses = log.world_from_rig.poses();
   ASSERT_EQ(poses.size(), 3U);
   EXPECT_NEAR(poses[0].time_s, 0.055, 2e-9);
   EXPECT_LT(poses[0].pose.translation.norm(), 1e-6);
   EXPECT_NEAR(poses[1].pose.translation.norm(), 0.7320, 1e-3);
-  // East of a car that heads 0.3 rad north of east lies to the right ahead.
+  // For a car that heads 0.3 rad north of east, east is ahead and to the right.
   EXPECT_NEAR(std::atan2(poses[1].pose.translation.y(), poses[1].pose.translation.x()), -0.3, 1e-3);
 }
 
@@ -144,10 +146,10 @@ TEST(KittiImport, TakesPosesFromAFile) {
   // Half a second before midnight.
   const auto good =
       file(pose(0, 86399.05, 0.0) + ',' + pose(1, 86399.15, 1.0) + ',' + pose(2, 86399.25, 2.0));
-  fs::remove_all(folder.drive() / "oxts");  // not needed then
+  fs::remove_all(folder.drive() / "oxts");  // not needed in this case
   const Log log = import_kitti({folder.drive(), good, scratch / "drive.log"});
   EXPECT_NEAR(log.world_from_rig.at(0.10).translation.x(), 0.5, 1e-6);
-  EXPECT_NEAR(log.world_from_rig.at(0.30).translation.x(), 2.5, 1e-6);  // the last sweep ends past its pose
+  EXPECT_NEAR(log.world_from_rig.at(0.30).translation.x(), 2.5, 1e-6);  // the last sweep ends after its pose
 
   const auto other_drive = file(pose(0, 4000.0, 0.0));
   expect_input_error(
@@ -165,7 +167,7 @@ TEST(KittiImport, TakesPosesFromAFile) {
   EXPECT_FALSE(fs::exists(scratch / "x.log"));
 }
 
-/// Spoils a good drive and expects one line that holds all words, and nothing on the disk.
+/// Damages a valid drive and expects a one-line error with all words, and no output.
 template <class Spoil>
 void refuse(Spoil&& spoil, std::vector<std::string> words) {
   const Scratch scratch;
@@ -299,7 +301,7 @@ TEST_F(KittiDrive0013, EveryPointComesBackFromItsRay) {
     const Sweep sweep = read_sweep(log.folder / log.sweeps[i].file, lidar);
     EXPECT_LT(reprojection_error_m(kitti::sort_into_beams(points, lidar), sweep, lidar), kReprojection_m);
   }
-  // The camera's place, given beside the poses.
+  // The camera's pose, stored with the poses.
   const Pose camera_from_velo = log.camera("image_02").rig_from_camera.inverse();
   constexpr double kPrinted_m = 1e-7;  // the calibration has 7 digits, its rotation is orthonormalised
   EXPECT_LT((camera_from_velo.translation - Eigen::Vector3d(0.057052448, -0.075466719, -0.269386912)).norm(),

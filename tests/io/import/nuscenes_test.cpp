@@ -30,8 +30,8 @@ using test::Scratch;
 
 constexpr int kFirings = 40;
 
-/// A turn inside a round tower of 10 m around the sensor, which drives 0.1 m along its y meanwhile; ring 5
-/// returns nothing. As the files say it: seen from the end of the turn.
+/// Returns a sweep inside a round tower of 10 m around the sensor, which moves 0.1 m along y meanwhile; ring
+/// 5 has no return. As in the files, points are in the sensor frame at the end of the sweep.
 std::string turn(int firings) {
   std::string bytes;
   const Lidar table = builtin_lidar("nuscenes_lidar_top_hdl32e");
@@ -58,8 +58,8 @@ std::string turn(int firings) {
 
 constexpr std::int64_t kStart_us = 1'532'402'927'600'000;
 
-/// The tables of a data set of two scenes: the first has two samples 0.5 s apart with a camera and the LiDAR,
-/// a sweep in between whose file is not there, a radar, and a car that drives 5 m along y.
+/// Tables of a data set of two scenes: the first has two samples 0.5 s apart with a camera and the LiDAR, a
+/// sweep between them without a file, a radar, and a car that moves 5 m along y.
 class DataSet {
  public:
   explicit DataSet(const Scratch& scratch) : root_(scratch.path() / "nuscenes") {
@@ -104,7 +104,7 @@ class DataSet {
           << turn(kFirings + i);
     }
   }
-  /// Writes the tables as they are now.
+  /// Writes the current tables.
   [[nodiscard]] const fs::path& write() const {
     for (const auto& [name, rows] : table.items()) {
       std::ofstream(root_ / "v1.0-mini" / (name + ".json")) << rows.dump();
@@ -121,7 +121,7 @@ class DataSet {
                                           {"rotation", q},
                                           {"camera_intrinsic", intrinsic}});
   }
-  /// At that time the ego stands at x = 2 m/s times it.
+  /// At time t the ego position is x = 2 m/s t.
   void record(const char* sample, const char* calibration, const std::string& file, std::int64_t us) {
     table["ego_pose"].push_back({{"token", "p" + file},
                                  {"timestamp", kStart_us + us},
@@ -204,7 +204,7 @@ TEST(Nuscenes, TablesAreReadInProportionToTheirLength) {
   for (const int which : {0, 1}) {
     DataSet data(scratches[which]);
     for (const char* name : {"ego_pose", "sample_data"}) {
-      Json entry = data.table[name].back();  // of the scene that isn't asked for
+      Json entry = data.table[name].back();  // of the other scene
       for (int i = 0; i < 15'000 * (which + 1); ++i) {
         entry["token"] = std::to_string(i);
         data.table[name].push_back(entry);
@@ -266,11 +266,11 @@ TEST(Nuscenes, ARealTurnIsAWholeGrid) {
   }
   const Lidar lidar = nuscenes::lidar_of({file}, "LIDAR_TOP");
   EXPECT_EQ(lidar.columns, 1084);
-  // The car drove at 8.4 m/s; y is forward.
+  // The car moved at 8.4 m/s; y is forward.
   const Pose start_from_end{Eigen::Quaterniond::Identity(), {0.0, 0.42, 0.0}};
   const Sweep sweep = nuscenes::read_turn(file, lidar, start_from_end);
-  // Where the laser's points fall in the camera in front, by the key frame's calibration: what it sees at the
-  // horizon is ahead of the car, not beside it.
+  // Projects the LiDAR's points to the front camera by the key frame's calibration: the points at the horizon
+  // must be ahead of the car.
   const Json calibration = parse_json(read_file(folder / "images_calib.json"), "images_calib.json");
   Eigen::Matrix<double, 3, 4> m;
   for (int r = 0; r < 3; ++r) {
@@ -295,8 +295,8 @@ TEST(Nuscenes, ARealTurnIsAWholeGrid) {
   }
   EXPECT_GT(returned, 24000U);
   EXPECT_LT(returned, 28000U);
-  EXPECT_NEAR(static_cast<double>(ahead), 3300.0, 800.0);  // a sixth of the turn, half of the beams
-  EXPECT_LT(farthest_turn, 0.03);  // the spin is even, and starts where the table says
+  EXPECT_NEAR(static_cast<double>(ahead), 3300.0, 800.0);  // a sixth of the sweep, half of the beams
+  EXPECT_LT(farthest_turn, 0.03);  // the spin is uniform and starts at the table's azimuth
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-// Tables as pandas pickles them, and a made-up sequence of PandaSet.
+// Tables in the pickle format of pandas, and a synthetic sequence of PandaSet.
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -18,7 +18,7 @@
 
 namespace simuli::test {
 
-/// The operations of a pickle, one after the other.
+/// Writes the operations of a pickle.
 class PickleText {
  public:
   std::string bytes = "\x80\x03";
@@ -42,7 +42,7 @@ class PickleText {
   PickleText& global(std::string_view module, std::string_view name) {
     return put(fmt::format("c{}\n{}\n", module, name));
   }
-  /// What NumPy makes of an array of `type`; `content` puts its bytes or its values.
+  /// Writes an array of `type` as NumPy does; `content` writes its bytes or values.
   template <class Content>
   PickleText& array(const std::vector<std::size_t>& shape, std::string_view type, const Content& content) {
     global("numpy.core.multiarray", "_reconstruct").global("numpy", "ndarray");
@@ -81,7 +81,7 @@ struct MadeTable {
   std::vector<std::pair<std::string, std::vector<std::string>>> texts;
 
   [[nodiscard]] std::size_t rows() const { return numbers.empty() ? 0 : numbers[0].second.size(); }
-  /// As the data set's own files have it; else as pandas 2 does.
+  /// Returns the pickle in the format of the data set, or of pandas 2.
   [[nodiscard]] std::string pickled(bool is_old = true) const {
     PickleText p;
     const auto values = [&](bool are_texts) {
@@ -146,18 +146,18 @@ struct MadeTable {
   }
 };
 
-/// A drive along x at 10 m/s, recorded three times: two cameras (8 x 6 pixels, the rear one turned to the back),
-/// the Pandar64 in a tower that is everywhere 12 m away, every tenth column, and some points of the PandarGT.
-/// The second and the third frame have the same points of the PandarGT. Boxes: a car that nobody's points are
-/// in; one around the Pandar64's point in the middle of its turn, labelled twice but for the last frame, where
-/// the PandarGT's label is the only one.
+/// A drive along x at 10 m/s with three frames: two cameras (8 x 6 pixels, the rear one points backwards),
+/// the Pandar64 in a tower at a constant distance of 12 m, every tenth column, and some points of the
+/// PandarGT. The second and the third frame have the same points of the PandarGT. Boxes: a car without
+/// points; and one around the Pandar64's point in the middle of its sweep, labelled twice, except for the
+/// last frame, which only has the PandarGT's label.
 class MadeSequence {
  public:
   static constexpr std::size_t kFrames = 3;
   static constexpr int kColumns = 180;
   static constexpr double kStart_s = 1.6e9, kTower_m = 12.0, kFirst_rad = 2.0;
 
-  /// `published_from_rows`: how the Pandar64's rows stand, unknown to the files.
+  /// `published_from_rows`: pose of the Pandar64's beams, which the files do not contain.
   explicit MadeSequence(const std::filesystem::path& root, const Pose& published_from_rows = {})
       : root_(root), published_from_rows_(published_from_rows) {
     for (const char* folder : {"camera/front_camera", "camera/back_camera", "lidar", "annotations/cuboids"})
@@ -174,21 +174,21 @@ class MadeSequence {
   void write(const std::string& name, const std::string& bytes) const {
     std::ofstream(root_ / name, std::ios::binary) << bytes;
   }
-  /// The Pandar64 in the data set's world.
+  /// Returns the pose of the Pandar64 in the data set's world.
   static Pose pandar64_at(double time_s) {
     const Pose theirs{Eigen::Quaterniond(Eigen::AngleAxisd(0.8, Eigen::Vector3d::UnitZ())),
                       {100.0, -50.0, 3.0}};
     return theirs * Pose{Eigen::Quaterniond::Identity(), {10.0 * time_s, 0.0, 0.0}} *
            pandaset::rig_from_pandar64();
   }
-  /// The rear camera on the Pandar64: it looks along the vehicle's -x.
+  /// Returns the pose of the rear camera on the Pandar64: it points along the vehicle's -x.
   static Pose rear() {
     Eigen::Matrix3d axes;
     axes << -1, 0, 0, 0, 0, 1, 0, -1, 0;
     return {Eigen::Quaterniond(axes), {0.2, 1.0, -0.1}};
   }
   static double column_s(int column) { return 0.1 * (column + 0.5) / kColumns; }
-  /// Of the Pandar64, as it sees it.
+  /// Returns a direction in the frame of the Pandar64.
   static Eigen::Vector3d direction(int row, int column) {
     const double azimuth = kFirst_rad - 2.0 * std::numbers::pi * (column + 0.5) / kColumns;
     return Lidar::direction(azimuth, table().rows[static_cast<std::size_t>(row)].elevation);

@@ -52,13 +52,14 @@ TEST(Pandaset, ASequenceBecomesALog) {
   EXPECT_LT(report.mounts[0].off_m, 1e-5);
   ASSERT_EQ(log.masks.size(), 1U);
   EXPECT_EQ(log.masks[0].camera, "back_camera");
-  EXPECT_NEAR(
-      log.hidden.at("back_camera")->hidden_share(), 2.0 / 6.0, 1e-9);  // 260 of 1080 rows cut 4.56 of 6
+  EXPECT_NEAR(log.hidden.at("back_camera")->hidden_share(),
+              2.0 / 6.0,
+              1e-9);  // 260 of 1080 rows, scaled to 4.56 of 6
 
   ASSERT_EQ(log.actors.size(), 2U);
   EXPECT_EQ(log.actors[0].name, "car_0");
   EXPECT_EQ(log.actors[0].size_m, Eigen::Vector3d(1.5, 1.0, 2.0));
-  EXPECT_NEAR(log.actors[0].track[1].time_s, 0.1, kStampRounding_s);  // the front camera's
+  EXPECT_NEAR(log.actors[0].track[1].time_s, 0.1, kStampRounding_s);  // time of the front camera
   EXPECT_EQ(log.actors[1].name, "pedestrian_with_object_1");
   ASSERT_EQ(log.actors[1].track.size(), 3U);
   const double middle_s = MadeSequence::column_s(MadeSequence::kColumns / 2) - 0.05;
@@ -66,7 +67,7 @@ TEST(Pandaset, ASequenceBecomesALog) {
     const KeyPose& key = log.actors[1].track[i];
     EXPECT_NEAR(key.time_s, 0.1 * static_cast<double>(i) + middle_s, 1.1e-3) << i;
     const Eigen::Vector3d ahead = key.world_from_actor.rotation * Eigen::Vector3d::UnitX();
-    EXPECT_NEAR(std::abs(ahead.y()), 1.0, 1e-6);  // yaw 0.8 is the drive's: the box stands across
+    EXPECT_NEAR(std::abs(ahead.y()), 1.0, 1e-6);  // yaw 0.8 is the drive's: the box is across
   }
   EXPECT_EQ(report.labels.kept, 6U);
   EXPECT_EQ(report.labels.repeated, 0U);
@@ -93,13 +94,14 @@ TEST(Pandaset, Pandar64IsOnItsTablesGrid) {
   const Sweep sweep = read_sweep(log.folder / log.sweeps[1].file, lidar);
   for (std::size_t i = 0; i < sweep.range.size(); ++i) {
     if (sweep.range[i] > 0.0F) {
-      ASSERT_NEAR(sweep.range[i], MadeSequence::kTower_m, 0.1) << i;  // the beams' own origins
+      ASSERT_NEAR(sweep.range[i], MadeSequence::kTower_m, 0.1) << i;  // due to the beams' own origins
       ASSERT_EQ(sweep.intensity[i], 0.2F);
     }
   }
 }
 
-// Half a gap of the close rows is 0.08 degrees: without that, one half of the turn is in the rows next to its own.
+// Half a gap of the close beams is 0.08 degrees: otherwise half of the points would be on the neighbouring
+// beam.
 TEST(Pandaset, MountingOfThePandar64IsFoundByItsPoints) {
   const Scratch scratch;
   const Pose off{Eigen::Quaterniond(Eigen::AngleAxisd(0.12 * kDegree, Eigen::Vector3d(0.6, -0.8, 0.0))),
@@ -165,7 +167,7 @@ TEST(Pandaset, WhatIsNotThereIsAGap) {
   PandasetReport report;
   const Log log = import_pandaset({made.root(), scratch / "p.log"}, {}, report);
   EXPECT_EQ(log.images.size(), 3U);
-  EXPECT_EQ(log.sweeps.size(), 2U);  // both LiDARs'
+  EXPECT_EQ(log.sweeps.size(), 2U);  // of both LiDARs
   ASSERT_EQ(report.gaps.size(), 4U);
   EXPECT_EQ(report.gaps[0].sensor, "all sensors");
   EXPECT_EQ(report.gaps[0].frames, std::vector<std::size_t>{2});
@@ -241,7 +243,7 @@ TEST(Pandaset, RefusesWhatDoesNotFit) {
   refused({}, {"camera", "front_camera and others"});
 }
 
-/// The first four frames of the real sequence 002: six cameras, both LiDARs, boxes.
+/// First four frames of the real sequence 002: six cameras, both LiDARs, boxes.
 TEST(Pandaset, FirstFramesOf002) {
   const char* const data = std::getenv("SIMULI_DATA");
   if (data == nullptr) GTEST_SKIP() << "not run: four frames of PandaSet, SIMULI_DATA is not set";
@@ -251,10 +253,10 @@ TEST(Pandaset, FirstFramesOf002) {
   PandasetReport report;
   const Log log = import_pandaset({sequence, scratch / "p.log"}, {}, report);
   EXPECT_EQ(log.images.size(), 24U);
-  EXPECT_EQ(log.sweeps.size(), 7U);  // the PandarGT's first one stands in two frames
+  EXPECT_EQ(log.sweeps.size(), 7U);  // two frames contain the PandarGT's first sweep
   EXPECT_EQ(report.list_again, 1U);
   EXPECT_EQ(report.points.points, 424747U);
-  EXPECT_LT(report.points.unplaced + report.points.echoes, 20U);  // 0.7 % as published
+  EXPECT_LT(report.points.unplaced + report.points.echoes, 20U);  // 0.7 % with the published mounting
   EXPECT_LT(report.mounting.left_rad, 0.005 * kDegree);
   EXPECT_GT(report.spin_agreement, 0.995);
   EXPECT_TRUE(report.is_clockwise);
@@ -265,7 +267,7 @@ TEST(Pandaset, FirstFramesOf002) {
   }
   EXPECT_EQ(log.masks.size(), 1U);
   EXPECT_NEAR(log.hidden.at("back_camera")->hidden_share(), 260.0 / 1080.0, 1e-6);
-  // It drives forward.
+  // The vehicle moves forward.
   const Pose& last = log.world_from_rig.poses().back().pose;
   EXPECT_GT(last.translation.x(), 5.0 * std::abs(last.translation.y()));
 }

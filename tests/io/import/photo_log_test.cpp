@@ -1,4 +1,4 @@
-// Importers of posed photographs: COLMAP in both of its forms, and transforms.json.
+// Tests importers of posed photographs: both formats of COLMAP, and transforms.json.
 #include "io/import/photos/photo_log.hpp"
 
 #include <algorithm>
@@ -46,7 +46,7 @@ void put(std::string& to, T value) {
 }
 
 constexpr int kPhotos = 4;
-/// Photograph i stands at x = 2 i and looks along +z, y down; COLMAP says camera_from_world.
+/// Photograph i is at x = 2 i along +z, y down; COLMAP stores camera_from_world.
 std::string colmap_images_text() {
   std::string text = "# comment\n";
   for (int i = 0; i < kPhotos; ++i)
@@ -59,7 +59,7 @@ void write_colmap_text(const fs::path& folder, const std::string& camera) {
   std::ofstream(folder / "cameras.txt") << "# comment\n" << camera << '\n';
   std::ofstream(folder / "images.txt") << colmap_images_text();
   std::ofstream(folder / "points3D.txt") << "1 0 1 20 9 9 9 0.5 1 0 2 0 3 0\n2 2 0 20 9 9 9 0.5 1 1 2 1 3 1\n"
-                                         << "3 5 5 5 9 9 9 0.5 1 2\n";  // seen once: left out
+                                         << "3 5 5 5 9 9 9 0.5 1 2\n";  // visible once: left out
 }
 
 void write_colmap_binary(const fs::path& folder) {
@@ -110,21 +110,21 @@ TEST(Colmap, TextAndBinaryAreTheSameLog) {
   for (const PhotoReport& report : {text_report, binary_report, surveyed}) {
     EXPECT_EQ(report.photos, 4U);
     EXPECT_EQ(report.points, 2U);
-    EXPECT_NEAR(report.metres_per_unit, 0.5, 0.02);  // points stand 20 units away: 10 m
+    EXPECT_NEAR(report.metres_per_unit, 0.5, 0.02);  // points are 20 units away: 10 m
   }
   ASSERT_EQ(text.images.size(), 4U);
   EXPECT_TRUE(text.sweeps.empty());
   EXPECT_EQ(text.cameras.at(0).model.lens.parameters(), binary.cameras.at(0).model.lens.parameters());
   EXPECT_EQ(text.cameras[0].model.fy, 10.0);
   EXPECT_EQ(text.cameras[0].model.lens.kind(), LensKind::kOpencvPinhole);
-  // Steps of 1 m; the camera looks along z of the model, its down is the world's -z after levelling.
+  // Steps of 1 m; the camera points along z of the model, its down axis is the world's -z after levelling.
   const auto at = [](const Log& log, double t) {
     return log.world_from_rig.at(t) * log.cameras[0].rig_from_camera;
   };
   for (const Log& log : {text, binary}) {
     EXPECT_NEAR((at(log, 3.0).translation - at(log, 2.0).translation).norm(), 1.0, 0.05);
     EXPECT_NEAR((at(log, 1.0).rotation * Eigen::Vector3d::UnitY()).z(), -1.0, 1e-9);
-    // The rig looks where its camera does, x forward.
+    // The rig has the direction of its camera, x forward.
     EXPECT_LT((log.world_from_rig.at(1.0).rotation * Eigen::Vector3d::UnitX() -
                at(log, 1.0).rotation * Eigen::Vector3d::UnitZ())
                   .norm(),
@@ -185,10 +185,10 @@ TEST(Colmap, BlankLinesOfTheTextAreNoImages) {
   };
   EXPECT_EQ(count("\n" + sound), 4U);
   EXPECT_EQ(count("\n \t\r\n" + with("1 2 -1\n\n")), 4U);
-  EXPECT_EQ(count(with("\n")), 4U);         // no point was seen
+  EXPECT_EQ(count(with("\n")), 4U);         // no visible points
   EXPECT_EQ(count(with(" \r\n\n\n")), 4U);  // and blank lines between
   EXPECT_EQ(count(with("1.5 -2e0 7 3 4 -1\n")), 4U);
-  // Half of the photographs would be taken for what the others saw.
+  // Otherwise half of the photographs would be parsed as points of the others.
   for (const char* second : {"", "1 2\n", "1 x 3\n"})
     expect_input_error([&] { (void)count(with(second)); }, {"images.txt: line", "POINT3D_ID"});
 }
@@ -227,7 +227,7 @@ TEST(Colmap, SmallerPhotographsAndSuchNamedTwice) {
   EXPECT_EQ(camera.width, 8);
   EXPECT_DOUBLE_EQ(camera.fx, 9.0 * 8 / 17);
   EXPECT_DOUBLE_EQ(camera.cy, 3.0);
-  write_colmap_text(scratch / "text", "7 PINHOLE 16 16 9 10 8 8");  // cut, not made smaller
+  write_colmap_text(scratch / "text", "7 PINHOLE 16 16 9 10 8 8");  // cropped, not scaled
   expect_input_error(
       [&] {
         (void)import_colmap({scratch / "text", scratch / "images_2", scratch / "y.log"}, {}, report);
@@ -259,7 +259,7 @@ TEST(PhotoLog, NumbersInNamesCountAsNumbers) {
 std::string transforms(const std::string& head, const std::string& model) {
   std::string frames;
   for (int i = 0; i < kPhotos; ++i) {
-    // At x = 3 i, camera axes of OpenGL: looks along -z of its own, which is +y of the world; up is +z.
+    // At x = 3 i, camera axes of OpenGL: it points along its -z, the world's +y; up is +z.
     frames += fmt::format(
         R"({}{{"file_path": "images/{}.png", "sharpness": 3,
              "transform_matrix": [[1, 0, 0, {}], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]}})",
@@ -291,7 +291,7 @@ TEST(Nerfstudio, ListsAreReadInProportionToTheirLength) {
 
 TEST(Nerfstudio, PosesAreOurs) {
   const Scratch scratch;
-  write_photos(scratch / "images", kPhotos - 1);  // one of the named is not there
+  write_photos(scratch / "images", kPhotos - 1);  // one of the listed files is missing
   const std::string head = R"("fl_x": 9, "w": 8.0, "h": 6.0, "cx": 4.5, "k1": 0.01,)";
   const fs::path file = scratch.file("transforms.json", transforms(head, "OPENCV"));
   PhotoReport report;
@@ -339,7 +339,7 @@ TEST(Nerfstudio, PosesAreOurs) {
   refuse(transforms(head + R"("is_fisheye": true,)", "OPENCV"), "is_fisheye");
   refuse(transforms(head + R"("k4": 0.1,)", "OPENCV"), "k4");
   refuse(transforms(head + R"("latlong": true,)", "OPENCV"), "latlong");
-  // What moves a camera within a photograph is told, wherever it stands.
+  // Motion during a photograph is rejected, at any position in the file.
   std::string moved = transforms(head + R"("rolling_shutter": [0, 0, 1, 0],)", "OPENCV");
   moved.insert(moved.find("\"transform_matrix\""), "\"transform_matrix_end\": [], ");
   EXPECT_EQ(read_nerfstudio({scratch.file("moved.json", moved), {}}).notes,
@@ -347,7 +347,8 @@ TEST(Nerfstudio, PosesAreOurs) {
                 "rolling_shutter, transform_matrix_end left out: each photograph counts as taken in "
                 "one moment, at transform_matrix"});
   const PhotoSet bent = read_nerfstudio({scratch.file("pinhole.json", transforms(head, "PINHOLE")), {}});
-  EXPECT_EQ(bent.cameras.at(0).lens.kind(), LensKind::kOpencvPinhole);  // k1 counts whatever the name
+  EXPECT_EQ(bent.cameras.at(0).lens.kind(),
+            LensKind::kOpencvPinhole);  // k1 is used independently of the name
   refuse(transforms(R"("fl_x": 9, "w": 8.5, "h": 6,)", "OPENCV"), "w: found 8.5");
   refuse(transforms(R"("w": 8, "h": 6,)", "OPENCV"), "camera_angle_x");
   refuse(transforms(R"("w": 8, "h": 6, "camera_angle_x": 3.2,)", "OPENCV"),

@@ -1,4 +1,4 @@
-// Tables of pandas without Python: what is read, and what is refused.
+// Tests tables of pandas without Python: supported contents and errors.
 #include "io/import/pandaset/pickle.hpp"
 
 #include <gtest/gtest.h>
@@ -138,7 +138,7 @@ TEST(DataFrame, FilesMayBePackedOrNot) {
   expect_input_error([&] { (void)DataFrame(scratch.file("c.pkl.gz", bomb)); }, {"c.pkl.gz", "67108864"});
 }
 
-/// The first such text replaced.
+/// Replaces the first occurrence of a text.
 std::string changed(std::string bytes, const std::string& from, const std::string& to) {
   const std::size_t at = bytes.find(from);
   EXPECT_NE(at, std::string::npos);

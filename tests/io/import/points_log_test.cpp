@@ -46,7 +46,7 @@ void put(std::string& to, double value) {
   to.append(four, 4);
 }
 
-/// What returned, in the sensor's frame or in the world: x y z intensity, something else, row, time.
+/// Returns the returns in the sensor frame or in the world: x y z intensity, another column, row, time.
 std::string points_of(const Log& log, const SweepFrame& frame, bool in_world) {
   const Lidar& lidar = log.lidar(frame.lidar).with_rows();
   const Sweep sweep = read_sweep(log.folder / frame.file, lidar);
@@ -68,7 +68,7 @@ std::string points_of(const Log& log, const SweepFrame& frame, bool in_world) {
   return bytes;
 }
 
-/// The street as such a folder.
+/// The street in the format of points.json.
 class Folder {
  public:
   Folder(const Scratch& scratch, const Log& log, bool in_world, const Json& columns)
@@ -108,7 +108,7 @@ TEST(PointsLog, TheStreetComesBack) {
   int n = 0;
   for (const bool in_world : {false, true}) {
     for (const Json& columns : {kAll, kPlaceOnly}) {
-      if (in_world && columns == kPlaceOnly) continue;  // refused below
+      if (in_world && columns == kPlaceOnly) continue;  // tested below
       const Folder folder(scratch, log, in_world, columns);
       PointReport report;
       const Log back = import_points({folder.write(), scratch / fmt::format("{}.log", n++)}, {}, report);
@@ -215,7 +215,7 @@ TEST(PointsLog, TablesByNameAndWhatIsOffThem) {
   EXPECT_NEAR(sweep.range[5 * 360 + 10], 20.0F, 1e-4);
   EXPECT_NEAR(sweep.range[5 * 360 + 11], 20.0F, 1e-4);
   EXPECT_NEAR(sweep.range[6 * 360 + 359], 9.0F, 1e-4);
-  // A fifth of a column further than nominal, as is all of their row.
+  // A fifth of a column after the nominal azimuth, for all columns of the row.
   const double fifth = lidar.spin_sign() * 0.2 * lidar.azimuth_span / lidar.columns;
   EXPECT_NEAR(sweep.rays.azimuth[5 * 360 + 200] - lidar.azimuth(5, 200), fifth, 1e-5);
   EXPECT_NEAR(sweep.rays.azimuth[7 * 360 + 200] - lidar.azimuth(7, 200), 0.0, 1e-6);
@@ -232,7 +232,7 @@ TEST(PointsLog, RaysAtTheSeamAreOfItsEndOrItsStart) {
     point.time_fraction = time;
     return point;
   };
-  // The unit's head of this row is ahead: its first columns are measured at the sweep's end.
+  // At this row's azimuth the encoder is ahead: its first columns are measured at the end of the sweep.
   PointReport report;
   const Sweep sweep = grid_points({at(4, 1.002 + 4.5 / 360), at(50, 0.002 + 50.5 / 360)}, lidar, report);
   EXPECT_EQ(report.returned, 2U);
@@ -280,7 +280,7 @@ TEST(PointsLog, SaysWhatDoesNotFit) {
         f.json["lidars"][0] = {{"table", "pandar_64"}, {"name", "top"}};
       },
       {"lidars[0].table", "pandar_64"});
-  // Another sensor than the one that measured.
+  // A sensor other than the recording one.
   refuse(
       [](Folder& f) {
         const Json mount = f.json["lidars"][0]["rig_from_lidar"];

@@ -23,7 +23,7 @@ using test::expect_input_error;
 using test::expect_survey;
 using test::Scratch;
 
-/// A message being written, field by field, as the public schema numbers them.
+/// Writes a message field by field, with the numbers of the public schema.
 class Message {
  public:
   Message& number(std::uint32_t field, std::uint64_t value) {
@@ -76,7 +76,7 @@ constexpr int kRows = 4, kColumns = 8;
 std::string range_image() {
   std::string values;
   for (int i = 0; i < kRows * kColumns; ++i) {
-    // Range, intensity, elongation, in no-label zone. The first of a row returns nothing.
+    // Range, intensity, elongation, in no-label zone. The first of a row has no return.
     for (const float v : {i % kColumns == 0 ? -1.0F : 10.0F + static_cast<float>(i), 0.5F, 0.0F, -1.0F}) {
       char four[4];
       std::memcpy(four, &v, 4);
@@ -87,7 +87,7 @@ std::string range_image() {
   return gzip(Message().bytes(1, values).bytes(2, shape).text());
 }
 
-/// Frame i at 0.1 i s: the vehicle drives 10 m/s along x; one camera, TOP, a car 20 m ahead.
+/// Returns frame i at 0.1 i s: the vehicle moves at 10 m/s along x; one camera, TOP, a car 20 m ahead.
 std::string frame(int i,
                   const std::string& picture,
                   const std::string& image = range_image(),
@@ -176,7 +176,7 @@ TEST(Waymo, ASegmentBecomesALog) {
   EXPECT_NEAR(log.sweeps[2].time_end_s, 0.3, 1e-6);
   const Lidar& lidar = log.lidar("TOP").with_rows();
   EXPECT_EQ(lidar.rows[0].elevation, 0.02);
-  // Column 0 looks back along the vehicle, though the sensor is turned by 0.5.
+  // Column 0 points to the rear of the vehicle, although the sensor is rotated by 0.5.
   const double azimuth = lidar.azimuth(0, 0) + 0.5;
   EXPECT_NEAR(
       std::remainder(azimuth - std::numbers::pi * (1.0 - 1.0 / kColumns), 2.0 * std::numbers::pi), 0.0, 1e-9);
@@ -209,7 +209,7 @@ TEST(Waymo, LensesAndShuttersAreThoseOfTheirCalibration) {
     EXPECT_EQ(camera.shutter, kReadOut[k]);
     const bool rolls = log.images[0].time_end_s > log.images[0].time_start_s;
     EXPECT_EQ(rolls, camera.shutter != ShutterKind::kGlobal) << k;
-    // By the data set's formula: f_u, f_v, c_u, c_v, k1, k2, p1, p2, k3; pixels' centres at whole numbers.
+    // The data set's formula: f_u, f_v, c_u, c_v, k1, k2, p1, p2, k3; pixel centres are integers.
     const double x = 0.3, y = -0.2, r2 = x * x + y * y;
     const double radial = 1.0 + 0.01 * r2 - 0.02 * r2 * r2 + 0.004 * r2 * r2 * r2;
     const double u = x * radial + 2.0 * 0.003 * x * y + 0.001 * (r2 + 2.0 * x * x);
@@ -257,7 +257,7 @@ TEST(Waymo, RefusesWhatIsNotWhole) {
         {found, "allowed a .tfrecord of frames"});
   };
   refuse_path(scratch.path(), "found a folder");
-  // A tf.Example: features by name. A Scenario: times, then tracks where a frame has its time.
+  // A tf.Example: features by name. A Scenario: times, then tracks in place of a frame's time.
   const std::string feature = Message().bytes(1, "state/current/x").bytes(2, "").text();
   refuse(record(Message().bytes(1, Message().bytes(1, feature).text()).text()), "Motion data set");
   refuse(record(Message().bytes(5, "id").reals(1, {0.0, 0.1}).bytes(2, Message().number(1, 7).text()).text()),

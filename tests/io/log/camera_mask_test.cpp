@@ -24,7 +24,7 @@ Camera small_camera() {
   return camera;
 }
 
-/// The lowest rows hidden: a hood.
+/// Returns a mask of the lowest rows.
 Image hood(int width, int height, int rows) {
   Image image(width, height, 3);
   for (int y = height - rows; y < height; ++y) {
@@ -49,8 +49,8 @@ TEST(CameraMask, HidesWhatIsNotZeroInPicturesOfAnySize) {
   const CameraMask mask = read_camera_mask(scratch / "hood.png", small_camera());
   EXPECT_EQ(hidden_rows(mask, 8, 6), 2);
   EXPECT_EQ(hidden_rows(mask, 4, 3), 1);
-  EXPECT_EQ(hidden_rows(mask, 5, 4), 2);  // 1.33 rows of these: none that shows any of it
-  // Of another size, but of the same shape.
+  EXPECT_EQ(hidden_rows(mask, 5, 4), 2);  // 1.33 rows of the mask: all rows with any hidden part
+  // Another size with the same aspect ratio.
   write_image(scratch / "half.png", hood(4, 3, 1));
   EXPECT_EQ(read_camera_mask(scratch / "half.png", small_camera()).hidden, mask.hidden);
   write_image(scratch / "large.png", hood(80, 60, 20));
@@ -89,7 +89,7 @@ TEST(CameraMask, RefusesOtherShapesAndThoseThatLeaveNothing) {
                      {"text.png"});
 }
 
-/// A log of one camera without frames.
+/// Returns a log of one camera without frames.
 Log log_of_a_camera(const fs::path& folder) {
   Log log;
   log.folder = folder;
@@ -116,9 +116,9 @@ TEST(CameraMask, IsPartOfTheLog) {
   ASSERT_EQ(read.masks.size(), 2U);
   EXPECT_EQ(read.masks[1].file, "masks/front/roof.png");
   ASSERT_EQ(read.hidden.count("front"), 1U);
-  EXPECT_EQ(hidden_rows(*read.hidden.at("front"), 8, 6), 4);  // what either hides
+  EXPECT_EQ(hidden_rows(*read.hidden.at("front"), 8, 6), 4);  // the union of both masks
   EXPECT_NE(log_hash(read), plain_hash);
-  // Its own file: who changes theirs later changes nothing here.
+  // A separate file: later changes of the source have no effect.
   EXPECT_EQ(fs::hard_link_count(scratch / "masked" / "masks/front/hood.png"), 1U);
   copy_log(read, scratch / "again");
   EXPECT_EQ(hidden_rows(*read_log(scratch / "again").hidden.at("front"), 8, 6), 4);

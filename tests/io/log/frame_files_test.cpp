@@ -1,4 +1,4 @@
-// Frames of a log, kept once read and read ahead.
+// Tests caching and read-ahead of the frames of a log.
 #include "io/log/frame_files.hpp"
 
 #include <atomic>
@@ -21,7 +21,7 @@ using test::Scratch;
 
 constexpr std::size_t kPixels = 100, kFrameBytes = kPixels * sizeof(float);
 
-/// A frame of one number, and how often it was made.
+/// A frame of one number that counts its reads.
 class Numbered {
  public:
   FrameFiles::Wish wish(int number) {
@@ -45,7 +45,7 @@ float number_of(const std::shared_ptr<const FrameFiles::Frame>& frame) {
   return std::get<Image>(*frame).data.back();
 }
 
-/// Whether it comes to that within a minute.
+/// Whether the condition becomes true within a minute.
 template <class F>
 bool comes_to(const F& is_so) {
   for (int i = 0; i < 6000 && !is_so(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -60,7 +60,7 @@ TEST(FrameFiles, WhatWasReadIsKeptWithinTheBudget) {
   }
   EXPECT_EQ(numbered.made, 3);
   EXPECT_EQ(files.kept_bytes(), 3 * kFrameBytes);
-  EXPECT_EQ(number_of(files.get(numbered.wish(3))), 3.0F);  // for the one asked for first
+  EXPECT_EQ(number_of(files.get(numbered.wish(3))), 3.0F);  // in place of the oldest
   EXPECT_EQ(number_of(files.get(numbered.wish(2))), 2.0F);
   EXPECT_EQ(numbered.made, 4);
   EXPECT_EQ(number_of(files.get(numbered.wish(0))), 0.0F);
@@ -83,7 +83,7 @@ TEST(FrameFiles, AnInterruptionIsHeardBetweenThem) {
 
 TEST(FrameFiles, WhatIsExpectedIsReadAheadAndNoFarther) {
   Numbered numbered;
-  FrameFiles files(0);  // nothing is kept: each is read once all the same
+  FrameFiles files(0);  // no cache: each frame is still read once
   files.expect(numbered.wishes(0, 50));
   ASSERT_TRUE(comes_to([&] { return numbered.made == 4; }));
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -102,7 +102,7 @@ TEST(FrameFiles, WhatIsKeptIsNotReadAhead) {
   for (int i = 0; i < 5; ++i) (void)files.get(numbered.wish(i));
   files.expect(numbered.wishes(0, 7));
   ASSERT_TRUE(comes_to([&] { return numbered.made == 7; }));
-  files.expect(numbered.wishes(5, 7));  // read ahead already
+  files.expect(numbered.wishes(5, 7));  // already read ahead
   for (int i = 6; i >= 0; --i) EXPECT_EQ(number_of(files.get(numbered.wish(i))), static_cast<float>(i));
   EXPECT_EQ(numbered.made, 7);
 }
@@ -155,7 +155,7 @@ TEST(FrameFiles, SweepsAreThoseOfTheirFiles) {
   const std::vector<float> alone = same(biased);
   log.files = std::make_shared<FrameFiles>(std::size_t{1} << 20U);
   for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(same(biased), alone);  // biases are taken off once, each time
+    EXPECT_EQ(same(biased), alone);  // biases are removed once per read
     EXPECT_NE(same(log.lidars.front().model), alone);
   }
   EXPECT_EQ(log.files->reads(), 1U);

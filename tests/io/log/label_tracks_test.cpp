@@ -1,4 +1,4 @@
-// Labelled boxes as actors: size, order, repeated labels, names.
+// Tests actors from labelled boxes: size, order, repeated labels, names.
 #include "io/log/label_tracks.hpp"
 
 #include <gtest/gtest.h>

@@ -20,7 +20,7 @@ constexpr std::int64_t kStart_ns = 1317042651106324297;
 constexpr double kTime_s = 1e-9;  // times are whole nanoseconds on disk
 constexpr double kExact = 1e-15;  // a unit quaternion is normalised once more when read
 
-/// A log of two images and one sweep; the recorded files are there, but hold nothing.
+/// Returns a log of two images and one sweep; the recorded files exist but are empty.
 Log some_log(const Scratch& scratch) {
   Log log;
   log.folder = scratch.path();
@@ -175,7 +175,7 @@ TEST(Log, WritesTheSameBytesAgain) {
   EXPECT_NE(first.find("1317042651156324297"), std::string::npos) << "int64 nanoseconds of the first pose";
 }
 
-/// Replaces the first `old_text` of a good log.json and expects the reader to refuse it.
+/// Replaces the first `old_text` of a valid log.json and expects an error of the reader.
 void refuse_edit(const std::string& old_text,
                  const std::string& new_text,
                  const std::vector<std::string>& words) {

@@ -15,7 +15,8 @@ Pose at(const Vector3d& p_world, double heading_rad) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(heading_rad, Vector3d::UnitZ())), p_world};
 }
 
-/// 13 labels of a thing ten metres before the rig that drives as the rig does, at 5 m/s, at that rate.
+/// Returns 13 labels at this rate of an object ten metres ahead of the rig, which moves like the rig at 5
+/// m/s.
 Actor thing(const Vector3d& size_m, double rate_hz = 10.0, double m_per_s = 5.0) {
   Actor actor{.name = "car", .kind = "car", .size_m = size_m, .track = {}};
   for (int i = 0; i < 13; ++i)
@@ -24,7 +25,7 @@ Actor thing(const Vector3d& size_m, double rate_hz = 10.0, double m_per_s = 5.0)
 }
 const Vector3d kCar(4.2, 1.8, 1.5), kPerson(0.6, 0.7, 1.8);
 
-/// A rig with a LiDAR on the roof and a camera, on its way along x.
+/// Returns a log of a rig with a LiDAR on the roof and a camera, which moves along x.
 Log log_with(Actor actor) {
   Log log;
   log.cameras.push_back({{"front", 64, 48, 50.0, 50.0, 32.0, 24.0}, at({0.5, 0.0, 1.4}, 0.0)});
@@ -40,10 +41,10 @@ struct HeadingCase {
   const char* name;
   Vector3d size_m;
   double rate_hz;
-  std::vector<double> off_rad;  // of the first labels; those behind are right
+  std::vector<double> off_rad;  // errors of the first labels; later labels are correct
   double m_per_s = 5.0;
-  const char* said = "";              // part of the one line
-  std::vector<double> left_rad = {};  // what they are afterwards
+  const char* said = "";              // part of the message
+  std::vector<double> left_rad = {};  // errors after sanitising
 };
 
 class SanitizedHeadings : public testing::TestWithParam<HeadingCase> {};
@@ -99,7 +100,7 @@ INSTANTIATE_TEST_SUITE_P(
                     5.0,
                     "turns by 90 degrees in 0.10 s at 0.60 s, left",
                     std::vector<double>(6, kPi / 2.0)},
-        // What is right stays as it is.
+        // Correct labels are unchanged.
         HeadingCase{"Right", kCar, 10.0, {}},
         HeadingCase{"Turning", kCar, 5.0, kTurning, 5.0, "", kTurning},
         HeadingCase{"PersonWhoTurnsAround", kPerson, 10.0, kAboutTurn, 0.0, "", kAboutTurn},
@@ -208,7 +209,7 @@ TEST(SanitizedLabels, APlaceThatOneLabelAloneTellsIsLeftOut) {
   }
 }
 
-// Labels at 2 Hz of a thing that brakes from 30 m/s: each step differs from the middle one.
+// Labels at 2 Hz of an object that brakes from 30 m/s: each step differs from the median step.
 TEST(SanitizedLabels, WhatBrakesIsWhereItSays) {
   Actor actor = thing(kCar, 2.0);
   for (std::size_t k = 0; k < actor.track.size(); ++k) {

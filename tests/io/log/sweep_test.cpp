@@ -76,7 +76,7 @@ TEST(SweepFile, RangesAreCorrectedOnReading) {
     const float bias = i < 50 ? 0.25F : i < 100 ? 0.0F : -0.5F;
     EXPECT_EQ(read.range[i], sweep.range[i] > 0.0F ? sweep.range[i] - bias : 0.0F) << i;
   }
-  lidar.rows[1].range_bias = 30.0;  // no sensor's: more than the range of the row's first return, 19.87 m
+  lidar.rows[1].range_bias = 30.0;  // unrealistic: more than the range of the row's first return, 19.87 m
   expect_input_error([&] { (void)read_sweep(scratch / "s.exr", lidar); }, {"range_m", "row 1", "30"});
 }
 
@@ -135,7 +135,7 @@ TEST(SweepFile, AllocatesNothingThatAHeaderClaims) {
   const Lidar lidar = some_lidar();
   write_sweep(scratch / "s.exr", some_sweep(lidar));
   const std::string bytes = read_file(scratch / "s.exr");
-  // Behind an attribute's name and type: its bytes, then its value.
+  // After an attribute's name and type: its size, then its value.
   const auto with = [&](const std::string& attribute, std::size_t at, const std::string& value) {
     const std::size_t found = bytes.find(attribute);
     EXPECT_NE(found, std::string::npos);
@@ -144,7 +144,7 @@ TEST(SweepFile, AllocatesNothingThatAHeaderClaims) {
   using std::string_literals::operator""s;
   const fs::path longer = scratch.file("long.exr", with("channels\0chlist\0"s, 0, "stre"));
   expect_input_error([&] { (void)read_sweep(longer, lidar); }, {"long.exr", "1701999731 bytes"});
-  // OpenEXR reads channels up to an empty name, however long they say they are.
+  // OpenEXR reads channels up to an empty name, regardless of the stated size.
   const fs::path shifted = scratch.file("shifted.exr", with("channels\0chlist\0"s, 0, "\x10"));
   expect_input_error([&] { (void)read_sweep(shifted, lidar); },
                      {"shifted.exr", "channels", "another length"});

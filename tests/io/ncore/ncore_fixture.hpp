@@ -1,5 +1,5 @@
 #pragma once
-// A street's log as NCore and back, in a folder of its own.
+// A street's log as NCore and back, in a separate folder.
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -51,7 +51,7 @@ class NcoreTest : public ::testing::Test {
     change(json);
     std::ofstream(file) << json.dump();
   }
-  /// Takes away what is ours, as other programs' files don't have it.
+  /// Removes the keys of simuli, which files of other programs do not have.
   void strip() const {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(scratch_ / "a.zarr")) {
       if (entry.path().filename() != ".zattrs") continue;

@@ -1,4 +1,4 @@
-// What cameras see of their own vehicle, as NCore and back.
+// Tests ego masks to NCore and back.
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <set>
@@ -24,7 +24,7 @@ TEST_F(NcoreTest, KeepsMasks) {
   EXPECT_NE(report_.notes.at(report_.notes.size() - 1).find("masks/front/ego.png"), std::string::npos);
 }
 
-// NCore knows masks by a name without ending, and as PNG alone.
+// NCore stores masks by a name without extension, and only as PNG.
 TEST_F(NcoreTest, KeepsMasksOfOneNameAndOtherFormats) {
   Log log = street();
   std::filesystem::create_directories(log.folder / "masks/front");

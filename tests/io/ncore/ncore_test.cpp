@@ -1,5 +1,5 @@
-// Logs as NCore and back: the same bits where what is ours is kept, within NCore's precision where it is not,
-// and one line about what is damaged or can't be read.
+// Tests logs to NCore and back: equal bits with the keys of simuli, NCore's precision without them, and
+// one-line errors for damaged or unsupported files.
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ void expect_same_files(const Log& a, const Log& b) {
   EXPECT_EQ(log_hash(a), log_hash(b));
 }
 
-/// Sweeps of the same files as far as single precision and microseconds go.
+/// Expects equal sweeps up to single precision and microseconds.
 void expect_near_sweeps(const Log& a, const Log& b) {
   ASSERT_EQ(a.sweeps.size(), b.sweeps.size());
   for (const SweepFrame& frame : a.sweeps) {
@@ -99,7 +99,7 @@ TEST_F(NcoreTest, IsNearWithoutWhatIsOurs) {
   ASSERT_EQ(plain.cameras.size(), log.cameras.size());
   for (const LogCamera& camera : log.cameras) {
     const LogCamera& other = plain.camera(camera.model.name);
-    EXPECT_EQ(other.model, camera.model);  // written in double precision
+    EXPECT_EQ(other.model, camera.model);  // stored in double precision
     EXPECT_TRUE(other.rig_from_camera.matrix().isApprox(camera.rig_from_camera.matrix(), 1e-12));
   }
   ASSERT_EQ(plain.world_from_rig.poses().size(), log.world_from_rig.poses().size());
@@ -171,7 +171,7 @@ TEST_F(NcoreTest, KeepsWindshields) {
     EXPECT_EQ(glazed.cameras.front().model, camera);
     const std::string name = fmt::format("glass{}.zarr", static_cast<int>(glass.reference));
     expect_same_files(glazed, there_and_back(glazed, name));
-    // Without what is ours, and with the kind beside the model alone, as older files have it.
+    // Without the keys of simuli, and with only the kind beside the model, as in older files.
     Json json = ncore::intrinsics_of(camera);
     EXPECT_EQ(json["external_distortion_type"], "bivariate-windshield");
     Json& inside = json["camera_model_parameters"]["external_distortion_parameters"];

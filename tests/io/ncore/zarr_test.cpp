@@ -1,4 +1,5 @@
-// Zarr stores: what is written is read again, from folders and tar files, and damage is refused in one line.
+// Tests that Zarr stores are read as written, from folders and tar files, and that damage gives one-line
+// errors.
 #include <array>
 #include <cstdlib>
 #include <filesystem>
@@ -35,7 +36,7 @@ std::vector<float> numbers(std::size_t count) {
   return out;
 }
 
-/// Groups, an array in one chunk, one in rows, an empty one and a file.
+/// Writes groups, an array in one chunk, one in rows, an empty one and a file.
 void fill(ZarrWriter& writer) {
   const std::vector<float> values = numbers(12);
   writer.group("", Json{{"version", "v4"}});
@@ -87,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Containers, ZarrTest, ::testing::Values("a.zarr", "a.za
 
 TEST_F(ZarrTest, ReadsChunksOfAGridWithRemainders) {
   const Scratch scratch;
-  // 3 x 5 items in chunks of 2 x 2, uncompressed, as others write them: what reaches beyond is filling.
+  // 3 x 5 items in chunks of 2 x 2, uncompressed, as written by others; items beyond the array are padding.
   fs::create_directories(scratch / "a.zarr/grid");
   std::ofstream(scratch / "a.zarr/.zgroup") << R"({"zarr_format": 2})";
   std::ofstream(scratch / "a.zarr/grid/.zarray")
@@ -108,7 +109,7 @@ TEST_F(ZarrTest, ReadsChunksOfAGridWithRemainders) {
                      {"grid", "chunk 1.1", "none"});
 }
 
-/// Everything that is there.
+/// Reads all arrays.
 void read_all(const ZarrStore& store, const std::string& group) {
   (void)zarr_attributes(store, group);
   for (const std::string& child : store.children(group)) {
@@ -128,7 +129,7 @@ TEST_F(ZarrTest, NamesTheCompressorThatBloscIsWithout) {
   });
   std::string chunk = read_file(scratch / "a.zarr/many/0");
   constexpr unsigned kFlags = 2,
-                     kCompressor = 0xe0;  // of its header: all of these bits name none that there is
+                     kCompressor = 0xe0;  // bits of the header: all set, they name no known compressor
   chunk[kFlags] = static_cast<char>(static_cast<unsigned char>(chunk[kFlags]) | kCompressor);
   std::ofstream(scratch / "a.zarr/many/0") << chunk;
   expect_input_error([&] { (void)read_zarr_array(*open_zarr(scratch / "a.zarr"), "many"); },

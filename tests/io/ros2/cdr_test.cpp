@@ -1,4 +1,4 @@
-// Messages beside bytes that were written by hand, from what CDR and the messages' definitions say.
+// Tests messages against bytes written manually from CDR and the message definitions.
 #include "io/ros2/cdr.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ namespace {
 
 using test::expect_input_error;
 
-/// "01 ff 'ab' ..": bytes in hexadecimal, and text.
+/// Returns the bytes of "01 ff 'ab' ..": hexadecimal numbers and text.
 std::string bytes(const std::string& text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -37,7 +37,7 @@ const std::string kOne = "00 00 00 00 00 00 f0 3f ", kTwo = "00 00 00 00 00 00 0
 
 CdrReader reader(const std::string& message) { return {message, "drive.mcap", "/topic"}; }
 
-/// Each message that is cut short is refused in one line.
+/// Expects a one-line error for each truncation of the message.
 template <class Read>
 void expect_whole_or_refused(const std::string& message, const Read& read) {
   for (std::size_t size = 0; size < message.size(); ++size) {
@@ -69,7 +69,7 @@ TEST(Cdr, TransformsAreThoseBytes) {
   turned.back() = '\x40';  // a quaternion of norm 2
   left_out = 0;
   EXPECT_EQ(transforms_of(reader(turned)).size() + left_out, back.size());
-  EXPECT_EQ(left_out, 1U);  // tf2 leaves the one out, too
+  EXPECT_EQ(left_out, 1U);  // tf2 also ignores it
 }
 
 TEST(Cdr, CloudsAreThoseBytes) {
@@ -100,7 +100,7 @@ TEST(Cdr, CloudsAreThoseBytes) {
   refused([](auto& c) { c.point_step = 3; }, {"field x: offset"});
   refused([](auto& c) { c.fields[0].datatype = 9; }, {"field x: datatype", "9"});
   refused([](auto& c) { c.is_bigendian = true; }, {"is_bigendian"});
-  // Points without a byte could be any number of them.
+  // Points of zero bytes could be any number of points.
   refused(
       [](auto& c) {
         c.fields.clear();
@@ -119,7 +119,7 @@ TEST(Cdr, CloudsAreThoseBytes) {
 TEST(Cdr, PicturesAreThoseBytes) {
   const std::string golden = bytes(kHead + kStamp + "02 00 00 00 'f' 00 00 00  01 00 00 00  02 00 00 00 " +
                                    "06 00 00 00 'mono8' 00  00 00  02 00 00 00  02 00 00 00 10 20");
-  // Behind the encoding (6 bytes to offset 34) is_bigendian is a byte; step is at a multiple of four.
+  // After the encoding (6 bytes to offset 34) is_bigendian is one byte; step is at a multiple of four.
   ImageMessage image{{kStamp_ns, "f"}, 1, 2, "mono8", false, 2, "\x10\x20"};
   EXPECT_EQ(to_cdr(image), golden);
   const ImageMessage back = read_image_message(reader(golden));
@@ -137,7 +137,7 @@ TEST(Cdr, CameraInfoIsThoseBytes) {
   camera.width = 4;
   camera.height = 2;
   camera.fx = camera.fy = 1.0;
-  camera.cx = 2.5;  // pixel centres are at whole numbers there
+  camera.cx = 2.5;  // there, pixel centres are integers
   camera.cy = 0.5;
   std::string golden = kHead + kStamp + "02 00 00 00 'f' 00 00 00  02 00 00 00  04 00 00 00 " +
                        "0a 00 00 00 'plumb_bob' 00 00 00  05 00 00 00  00 00 00 00 ";
@@ -179,7 +179,7 @@ TEST(Cdr, LensesComeBack) {
       there_and_back(Lens(LensKind::kDoubleSphere, {0.1, 0.5, 1.0}).behind(test::glass_by_its_way_back())),
       "double_sphere_behind_windshield");
   CameraInfoMessage info = camera_info_of(camera);
-  // OpenCV's vector of any length under either name; the rest of it is zero.
+  // OpenCV's vector of any length with either name; missing values are zero.
   for (const char* name : {"plumb_bob", "rational_polynomial"}) {
     info.distortion_model = name;
     for (const std::size_t count : {4U, 5U, 8U, 12U, 14U}) {
@@ -231,7 +231,7 @@ TEST(Cdr, LensesComeBack) {
 TEST(Cdr, OtherEncodingsAreRefused) {
   const std::string big_endian = bytes("00 00 00 00 00 00 00 00");
   expect_input_error([&] { (void)reader(big_endian); }, {"first bytes", "CDR"});
-  const std::string endless = bytes(kHead + "ff ff ff ff");  // four billion transforms in no bytes
+  const std::string endless = bytes(kHead + "ff ff ff ff");  // four billion transforms without data
   std::size_t left_out = 0;
   expect_input_error([&] { (void)read_transforms(reader(endless), left_out); }, {"transforms", "4294967295"});
 }

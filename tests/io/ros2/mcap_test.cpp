@@ -74,10 +74,10 @@ TEST(Mcap, NoPartIsTakenForTheWhole) {
   for (std::size_t size = 0; size < whole.size(); ++size) {
     SCOPED_TRACE(size);
     expect_input_error([&] { (void)all_of(scratch.file("cut.mcap", whole.substr(0, size))); }, {"cut.mcap"});
-    // Cut inside: the end is there.
+    // Cut inside: the end exists.
     const std::string without = whole.substr(0, size) + whole.substr(std::min(whole.size(), size + 40));
     try {
-      EXPECT_EQ(all_of(scratch.file("cut.mcap", without)), some());  // of the summary, which is not needed
+      EXPECT_EQ(all_of(scratch.file("cut.mcap", without)), some());  // in the summary, which is not needed
     } catch (const Error& error) {
       EXPECT_EQ(error.kind(), ErrorKind::kInput);
     }
@@ -96,7 +96,7 @@ TEST(Mcap, ADamagedByteIsNoticed) {
       std::string damaged = whole;
       damaged[i] = static_cast<char>(damaged[i] ^ 0x10);
       try {
-        EXPECT_EQ(all_of(scratch.file("damaged.mcap", damaged)), some());  // beside the data
+        EXPECT_EQ(all_of(scratch.file("damaged.mcap", damaged)), some());  // outside the data
       } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::kInput);
         EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
@@ -107,7 +107,7 @@ TEST(Mcap, ADamagedByteIsNoticed) {
   }
 }
 
-/// A file of one chunk, with what it says of itself.
+/// Returns a file of one chunk with the given header values.
 std::string of_chunk(const std::string& compression, std::uint64_t size, const std::string& records) {
   std::string chunk;
   append_little_endian(chunk, 0, 8);
@@ -152,12 +152,12 @@ TEST(Mcap, WhatWouldBurstIsRefused) {
 
 TEST(Mcap, Lz4IsRead) {
   const Scratch scratch;
-  std::string records;  // a message of a channel that is not there says that it was unpacked
+  std::string records;  // a message of a missing channel shows that the chunk was unpacked
   records += '\5';
   append_little_endian(records, 22, 8);
   append_little_endian(records, 7, 2);
   records += std::string(20, '\0');
-  // A frame's head (independent blocks of at most 64 KB, no checksums), one block as it is, the end.
+  // A frame's header (independent blocks of at most 64 KB, no checksums), one uncompressed block, the end.
   std::string frame("\x04\x22\x4d\x18\x60\x40\x82", 7);
   append_little_endian(frame, records.size() | 0x80000000U, 4);
   frame += records;
@@ -183,7 +183,7 @@ TEST(Mcap, WhatIsNoRecordingIsRefused) {
   std::filesystem::remove(scratch / "a.bag");
   expect_input_error([&] { (void)open_bag(scratch.path()); }, {"no .mcap and no .db3"});
   expect_input_error([&] { (void)open_bag(scratch.file("a.zip", "PK\1\2")); }, {".mcap, .db3"});
-  // What `ros2 bag record --compression-mode` leaves behind, and others: by first bytes, whatever it is called.
+  // Files of `ros2 bag record --compression-mode` and others, detected by their first bytes.
   (void)scratch.file("a.mcap.zstd", "\x28\xb5\x2f\xfd");
   expect_input_error([&] { (void)open_bag(scratch.path()); }, {"compressed whole", "unzstd"});
   constexpr const char* kPacked = "compressed whole";
@@ -209,7 +209,7 @@ TEST(Mcap, WhatIsNoRecordingIsRefused) {
       "x:\n  relative_file_paths:\n    - a_0.mcap\n    - \"a_1.mcap\"\n  duration:\n    n: 1\n");
   expect_input_error([&] { (void)open_bag(scratch.path()); },
                      {"relative_file_paths", "2 of which 1 files", "without a_0.mcap, a_1.mcap,"});
-  // A.MCAP is there: the quotes are no part of its name.
+  // A.MCAP exists: the quotes do not belong to its name.
   for (const char* entries :
        {"    - \"A.MCAP\"\n    - \"a_1.mcap\"\n", "    - 'A.MCAP' \r\n    - a_1.mcap\r\n"}) {
     (void)scratch.file("metadata.yaml",

@@ -1,4 +1,4 @@
-// The street as the drivers of others record it with ROS 2.
+// Tests the street as recorded by other drivers with ROS 2.
 #include <cmath>
 #include <cstring>
 #include <fmt/format.h>
@@ -20,14 +20,14 @@ namespace fs = std::filesystem;
 using ros2::PointField;
 using namespace test;  // NOLINT(google-build-using-namespace)
 
-/// How a driver's clouds look.
+/// Format of a driver's clouds.
 struct Driver {
   const char* name;
   std::vector<PointField> fields;
   std::uint32_t step;
   bool is_ring_reversed;
   bool is_stamped_at_end;
-  bool is_turned = false;  // points in other axes than the table has
+  bool is_turned = false;  // points in other axes than the table's
 };
 
 /// Ouster's lidar frame in its sensor frame.
@@ -99,7 +99,7 @@ std::string cloud_of(const Log& log, const SweepFrame& frame, const Driver& driv
   cloud.fields = driver.fields;
   cloud.point_step = driver.step;
   cloud.row_step = cloud.width * cloud.point_step;
-  std::string data(cloud.row_step, '\0');  // and a last point without a return
+  std::string data(cloud.row_step, '\0');  // with a last point without a return
   for (std::size_t i = 0; i < points.size(); ++i) {
     Point p = points[i];
     if (driver.is_turned) p.p = kTurned.inverse() * p.p;
@@ -139,8 +139,8 @@ std::string cloud_of(const Log& log, const SweepFrame& frame, const Driver& driv
   return to_cdr(cloud);
 }
 
-/// Clouds alone, by these drivers in turns, the path as odometry of a frame that is fixed to the rig, and what
-/// `others` adds.
+/// Records only clouds by these drivers in turns, the trajectory as odometry of a frame fixed to the rig, and
+/// the messages of `others`.
 void record_by(const std::vector<Driver>& drivers,
                const Log& log,
                const fs::path& file,
@@ -186,14 +186,14 @@ TEST(Ros2Log, DriversOfOthersAreUnderstood) {
     Ros2Options options = options_for(log, file, scratch / fmt::format("{}.log", driver.name));
     options.lidars[0].topic = "/points";
     options.lidars[0].frame = driver.is_turned ? "table_frame" : "";
-    // As if the table were of a sensor that was cabled otherwise: what the points say goes before it.
+    // A table of a differently cabled sensor: the points have priority.
     options.lidars[0].table.azimuth_first = 1.0;
     options.lidars[0].table.spin = SpinDirection::kCounterClockwise;
     Ros2Report report;
     const Log back = imported(options, report);
     EXPECT_EQ(report.points.unplaced, 0U);
     EXPECT_EQ(lidar_of(back).spin, lidar_of(log).spin);
-    // The turn's cut is found to a part of a column: rays are as measured, whichever column they are in.
+    // The cut of the sweep is found up to a part of a column: rays are as measured, in any column.
     EXPECT_LT(std::abs(std::remainder(lidar_of(back).azimuth_first - lidar_of(log).azimuth_first,
                                       2.0 * std::numbers::pi)),
               2.0 * std::numbers::pi / lidar_of(log).columns);
@@ -272,7 +272,7 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
                            "--mount /loose/image_raw"})
     EXPECT_NE(told.find(word), std::string::npos) << word << " is missing in: " << told;
 
-  // The survey tells the same, and what there is, and writes nothing.
+  // A survey reports the same and writes no files.
   options.output.clear();
   report = {};
   const Log surveyed = import_ros2(options, {}, report);
@@ -291,7 +291,7 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
   EXPECT_NE(report.notes.back().find("refused: "), std::string::npos) << report.notes.back();
   options.lidars = {{"/points", lidar_of(log)}};
 
-  // The same by what is read: the lost wheels are then no odometry to choose from.
+  // The same with a selection of topics: the wheel odometry without data is then no candidate.
   options.odometry = {};
   options.ignore = {"/wheels", "/radar", "/ptz/image_raw"};
   options.output = scratch / "ignored.log";
@@ -311,7 +311,7 @@ TEST(Ros2Log, TheRigStandsUprightInTheWorld) {
   const Log log = street(scratch);
   const Eigen::Quaterniond ned(0.0, std::sqrt(0.5), std::sqrt(0.5), 0.0);
   const Eigen::Quaterniond slope(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()));
-  // A slope that is driven up is told; one to the same side of the world in a bend is its frame's.
+  // A slope along the road is kept; a constant tilt in a bend belongs to the frame.
   for (const auto& [name, turn, bend, is_levelled] : {std::tuple("ned.mcap", ned, 0.0, true),
                                                       std::tuple("slope.mcap", slope, 0.0, false),
                                                       std::tuple("odom.mcap", slope, 2.0, true)}) {
@@ -370,7 +370,7 @@ TEST(Ros2Log, RectifiedPicturesHaveTheLensOfP) {
   info.k = {9, 0, 3.5, 0, 9, 2.5, 0, 0, 1};
   info.r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   info.d.assign(8, 0.0);
-  EXPECT_EQ(import("undistorted.log").fx, 9.0);  // no P: K tells it
+  EXPECT_EQ(import("undistorted.log").fx, 9.0);  // without P, K is used
   info.d[0] = 0.1;
   EXPECT_THROW((void)import("no_p.log"), Error);
   info.p = {7, 0, 3.25, 0, 0, 7.5, 2.5, 0, 0, 0, 1, 0};

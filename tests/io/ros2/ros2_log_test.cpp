@@ -1,4 +1,4 @@
-// The street as simuli itself records it for ROS 2, and back.
+// Tests the street as recorded by simuli for ROS 2, and back.
 #include "io/import/ros2/ros2_log.hpp"
 
 #include <cmath>
@@ -23,7 +23,7 @@ namespace ros2_log_test {
 namespace fs = std::filesystem;
 using namespace test;  // NOLINT(google-build-using-namespace)
 
-/// As `simuli render -o x.mcap` writes it.
+/// Records like `simuli render -o x.mcap`.
 void record(const Log& log, const fs::path& file, BagPictures pictures) {
   Ros2Drive drive{log.world_from_rig, {}, log.actors, kStart_ns};
   for (const LogCamera& c : log.cameras) drive.sensors.emplace_back(c.model, c.rig_from_camera);

@@ -1,4 +1,4 @@
-// Pictures of ROS 2 in the encodings that cameras have, and cameras whose lens a file tells.
+// Tests pictures of ROS 2 in the encodings of cameras, and cameras with a lens from a file.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -29,7 +29,7 @@ ros2::ImageMessage message_of(
   return message;
 }
 
-/// `bytes` again and again.
+/// Returns `bytes` repeated.
 std::string repeated(std::initializer_list<int> bytes, std::size_t count) {
   std::string out;
   while (out.size() < count) {
@@ -46,7 +46,7 @@ TEST(Ros2Pictures, EncodingsBecomeColours) {
     for (int y = 0; y < 4; ++y) out += repeated(y % 2 == 0 ? even : odd, 4);
     return out;
   };
-  // Of that colour by BT.601: luma 123, U 91, V 175.
+  // This colour in BT.601: luma 123, U 91, V 175.
   constexpr int kY = 123, kU = 91, kV = 175;
   struct Case {
     const char* encoding;
@@ -89,7 +89,7 @@ TEST(Ros2Pictures, EncodingsBecomeColours) {
       const double want = (c.is_grey ? kG : std::array{kR, kG, kB}[i % 3]) / 255.0;
       ASSERT_NEAR(static_cast<double>(image.data[i]), want, c.tolerance) << i;
     }
-    // What a row or the picture lacks is refused, not read.
+    // A truncated row or picture is rejected.
     message.data = message.data.substr(0, message.data.size() - 1);
     expect_input_error([&] { (void)ros2::picture_of(message, "a.mcap", "/front/image_raw"); },
                        {"data", "bytes"});
@@ -110,7 +110,7 @@ TEST(Ros2Pictures, AMosaicTakesWhatStandsBeside) {
   EXPECT_NEAR(at(2, 2, 2), (60.0 + 80.0 + 140.0 + 160.0) / 4, 1e-3);   // at its corners
   EXPECT_NEAR(at(2, 1, 0), (30.0 + 110.0) / 2, 1e-3);
   EXPECT_NEAR(at(2, 1, 2), (60.0 + 80.0) / 2, 1e-3);
-  EXPECT_NEAR(at(0, 0, 1), (20.0 + 50.0) / 2, 1e-3);  // at the edge those that there are
+  EXPECT_NEAR(at(0, 0, 1), (20.0 + 50.0) / 2, 1e-3);  // at the edge only existing neighbours
 }
 
 TEST(Ros2Pictures, OthersAreRefused) {
@@ -122,7 +122,7 @@ TEST(Ros2Pictures, OthersAreRefused) {
         words);
   };
   refused("32FC1", 4, 4, {"encoding", "32FC1", "rgb8", "bayer_rggb8", "nv12"});
-  refused("16UC1", 4, 4, {"encoding"});  // mostly depth
+  refused("16UC1", 4, 4, {"encoding"});  // usually depth
   refused("yuyv", 3, 4, {"3 x 4", "even"});
   refused("nv12", 4, 3, {"4 x 3", "even"});
   refused("rgb8", 0, 4, {"width x height"});
@@ -136,7 +136,7 @@ TEST(Ros2Pictures, AFileTellsALens) {
     const auto channel = mcap.add_channel({topic, ros2::kImage, "", "", "cdr"});
     mcap.add_message(channel, kStart_ns, ros2::to_cdr(message_of("mono8", 8, 6, 8, pixels)));
   }
-  // A CameraInfo that nobody can use: it is not looked at.
+  // An unusable CameraInfo, which is ignored.
   ros2::CameraInfoMessage info;
   info.header = {kStart_ns, "camera"};
   info.distortion_model = "unheard_of";
@@ -218,7 +218,7 @@ TEST(Ros2Pictures, DepthAndDamageAreLeftOut) {
                            "left out: /depth/image_raw, pictures of encoding \"16UC1\"",
                            "left out: /packed/compressed, pictures of format \"h264\""})
     EXPECT_NE(told.find(word), std::string::npos) << word << " is missing in: " << told;
-  // Who asks for it is told that it can't be had, and who has nothing else that nothing is sound.
+  // A requested camera without a valid model is an error, and so is a recording without any valid sensor.
   options.output = scratch / "b.log";
   options.cameras = {"/depth/image_raw"};
   expect_input_error([&] { (void)imported(options, report); }, {"/depth/image_raw", "16UC1"});

@@ -1,4 +1,4 @@
-// What points say about how their LiDAR turned goes before the table's first mode and the spacing of messages.
+// Tests that the spin found in points has priority over the table's first mode and the period of messages.
 #include "io/import/ros2/ros2_revolution.hpp"
 
 #include <cmath>
@@ -18,15 +18,15 @@ namespace ros2_revolution_test {
 
 using Sweeps = std::vector<std::vector<ros2::CloudPoint>>;
 
-/// A LiDAR in its mode, and what is left of what it sees.
+/// A LiDAR in its mode with the remaining part of its points.
 struct Drive {
   Lidar lidar;
   bool has_times = true;
-  double sector = 1.0;  // of a turn
-  int every = 1;        // firing
-  int together = 1;     // of these
-  double gaps = 0.2;    // share of rays without a return, in chunks
-  double jitter = 0.0;  // of a point's azimuth and time, of a column
+  double sector = 1.0;  // of a revolution
+  int every = 1;        // only each N-th firing
+  int together = 1;     // number of consecutive firings kept
+  double gaps = 0.2;    // share of rays without a return, in runs
+  double jitter = 0.0;  // of a point's azimuth and time, in columns
   bool has_rings = true;
 };
 
@@ -57,7 +57,7 @@ Sweeps sweeps_of(const Drive& drive) {
   return sweeps;
 }
 
-/// As `--lidar TOPIC=name` asks for it.
+/// Returns the LiDAR for `--lidar TOPIC=name`.
 Ros2Lidar asked_for(const std::string& name) {
   const BuiltinLidar sensor = builtin_lidar_with_facts(name);
   Ros2Lidar asked{"/points", sensor.model, "", sensor.facts.modes, name.find('@') != std::string::npos};
@@ -73,7 +73,7 @@ ros2::RecordedLidar found(const std::string& table, const Drive& drive, double a
 TEST(Ros2Turn, ModeAndTurnAreFoundInThePoints) {
   struct Case {
     const char* recorded;
-    double apart;  // messages, in turns
+    double apart;  // period of messages in revolutions
     bool has_times = true;
     double sector = 1.0;
     double jitter = 0.0;
@@ -135,7 +135,7 @@ TEST(Ros2Turn, RatesThatNoModeHasAreTaken) {
     EXPECT_NEAR(lidar.model.columns, 1206, 2);
     EXPECT_NEAR(lidar.model.sweep_s, 1.0 / 15.0, 1e-4);
   }
-  // Half of the firings, and a file's table, which has no modes: these columns at this rate.
+  // Half of the firings, and the table of a file, which has no modes: these columns at this rate.
   drive = {builtin_lidar("hesai_xt16")};
   drive.every = 2;
   EXPECT_EQ(found("hesai_xt16", drive, 0.1).model.columns, 1000);
@@ -165,13 +165,13 @@ TEST(Ros2Turn, RowsThatFireLessOftenAreFound) {
     for (const bool is_in_table : {true, false}) {
       SCOPED_TRACE(name);
       Drive drive{builtin_lidar(name)};
-      // Rows of either kind are enough.
+      // Beams of either kind suffice.
       drive.lidar.rows.erase(drive.lidar.rows.begin() + 100, drive.lidar.rows.end());
       drive.lidar.rows.erase(drive.lidar.rows.begin(), drive.lidar.rows.begin() + 50);
       drive.sector = 0.3;
       Ros2Lidar asked = asked_for(name);
       asked.table = drive.lidar;
-      // Without a pattern, and where the turn begins half a column off the firings.
+      // Without a pattern, and with a start half a column from the firings.
       if (!is_in_table) {
         for (LidarRow& row : asked.table.rows) row.every = 1, row.first = 0;
         asked.table.azimuth_first += 0.4 * kTurn / asked.table.columns;
@@ -193,7 +193,7 @@ TEST(Ros2Turn, RowsThatFireLessOftenAreFound) {
         ASSERT_TRUE(grid.range[ray] == 0.0F || fires(lidar.model, ray)) << ray;
     }
   }
-  // The same sensor in its coarse resolution: half as many columns, in each of which every row fires.
+  // The same sensor in its coarse resolution: half as many columns, in each of which all beams fire.
   Drive coarse{builtin_lidar("hesai_ot128")};
   coarse.lidar.rows.resize(50);
   coarse.sector = 0.3;
@@ -206,11 +206,11 @@ TEST(Ros2Turn, RowsThatFireLessOftenAreFound) {
   EXPECT_EQ(lidar.model.columns, coarse.lidar.columns);
   for (const LidarRow& row : lidar.model.rows) EXPECT_EQ(row.every, 1);
 
-  // A row of which the filter of a driver left every second point is no such sensor where all are.
+  // A beam reduced to every second point by a driver's filter is not such a beam if all are.
   Drive thinned{builtin_lidar("hesai_xt16")};
   thinned.every = 8;
   for (const LidarRow& row : found("hesai_xt16", thinned, 0.1).model.rows) EXPECT_EQ(row.every, 1);
-  // Nor is one of which it left two columns of sixteen.
+  // Nor a beam reduced to two of sixteen columns.
   Drive pairs{builtin_lidar("hesai_ot128")};
   pairs.every = 16;
   pairs.together = 2;
@@ -252,7 +252,7 @@ TEST(Ros2Turn, AnotherUnitIsTaken) {
     PointReport report;
     const auto sweep = sweeps_of(drive).front();
     (void)grid_points(ros2::measured(sweep, lidar, "drive.mcap", "/points"), lidar.model, report);
-    EXPECT_EQ(report.returned, sweep.size());  // none is taken for an echo, none is on no beam
+    EXPECT_EQ(report.returned, sweep.size());  // none is an echo, none is on no beam
   }
 }
 
@@ -270,7 +270,7 @@ TEST(Ros2Turn, WhatContradictsTheNamedModeIsRefused) {
           0.1,
           {"/points: columns", "1024", "2048"});
   Drive other_unit{builtin_lidar("velodyne_vlp16")};
-  other_unit.lidar.sweep_s = 1e-4;  // ms taken for s
+  other_unit.lidar.sweep_s = 1e-4;  // ms interpreted as s
   refused("velodyne_vlp16", other_unit, 0.1, {"/points: points' times", "no turn", "--point-time"});
 }
 
@@ -281,7 +281,7 @@ TEST(Ros2Turn, RowsThatNeverReturnAreAnotherTable) {
     test::expect_input_error([&] { (void)found("hesai_xt32", drive, 0.1); },
                              {"/points: rows", "16 of 32", "(0.000 degrees off in the mean, 16 of 16 rows)"});
   }
-  // Of each second ring, by its number, or of a part of another sensor: told.
+  // Every second ring, by its number, or a part of another sensor: reported.
   std::vector<std::vector<ros2::CloudPoint>> second = sweeps_of({builtin_lidar("hesai_xt32")});
   for (auto& sweep : second) std::erase_if(sweep, [](const ros2::CloudPoint& p) { return p.ring % 2 != 0; });
   Drive part{builtin_lidar("hesai_xt32")};

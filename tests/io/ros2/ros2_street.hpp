@@ -1,5 +1,5 @@
 #pragma once
-// The street, to be recorded with ROS 2 and read again.
+// The street for recordings with ROS 2.
 #include <cmath>
 #include <cstdint>
 #include <filesystem>

@@ -20,7 +20,7 @@ TEST(TransformTree, FixedAndMovingLinks) {
   for (int i = 0; i < 21; ++i) tree.add(link("odom", "base_link", i, 1.0 * i));
   tree.add(link("base_link", "mast", 0, 2.0));
   tree.add(link("mast", "top", 5, 0.5));
-  tree.add(link("mast", "top", 0, 0.5));  // told twice
+  tree.add(link("mast", "top", 0, 0.5));  // repeated
   tree.add(link("base_link", "front", 0, 1.5));
   tree.finish();
   EXPECT_NEAR(tree.fixed("base_link", "top")->translation.x(), 2.5, 1e-12);
@@ -30,8 +30,8 @@ TEST(TransformTree, FixedAndMovingLinks) {
   const std::vector<StampedPose> path = tree.path("base_link", world);
   EXPECT_EQ(world, "map");
   ASSERT_EQ(path.size(), 21U);
-  EXPECT_NEAR(path[5].pose.translation.x(), 105.5, 1e-12);  // odom itself moves
-  // Of several parents the one that leads to where it is asked for, else the newest.
+  EXPECT_NEAR(path[5].pose.translation.x(), 105.5, 1e-12);  // odom moves
+  // With several parents the one that leads to the requested root, else the newest.
   tree.add(link("utm", "base_link", 3, 7.0));
   tree.add(link("camera", "tag", 0, 1.0));
   tree.add(link("other_camera", "tag", 1, 1.0));
@@ -55,7 +55,7 @@ TEST(TransformTree, WorldIsBelowTheCentreOfTheEarth) {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   struct Case {
     const char* root;
-    Eigen::Vector3d map_m;  // in the root
+    Eigen::Vector3d map_m;  // relative to the root
     bool is_level;          // the map's z is the root's, not away from its origin
     const char* world;
   };
@@ -65,7 +65,7 @@ TEST(TransformTree, WorldIsBelowTheCentreOfTheEarth) {
       {"ecef", {6378137.0, 0.0, 0.0}, false, "map"},                   // the equator
       {"earth", {0.0, 0.0, 6356752.0}, false, "map"},                  // a pole
       {"earth", {-4646000.0, 2553000.0, -3534000.0}, false, "map"},    // Sydney
-      {"utm", {448262.0, 6370000.0, 30.0}, true, "utm"},               // as far, but level
+      {"utm", {448262.0, 6370000.0, 30.0}, true, "utm"},               // equally far, but level
       {"utm", {448262.0, 5412345.0, 310.0}, true, "utm"},
       {"world", {10.0, 5.0, 1.0}, true, "world"},
   };
@@ -73,7 +73,7 @@ TEST(TransformTree, WorldIsBelowTheCentreOfTheEarth) {
     SCOPED_TRACE(testing::Message() << c.root << " " << c.map_m.transpose());
     const Eigen::Quaterniond turn = c.is_level ? Eigen::Quaterniond::Identity() : turn_between(up, c.map_m);
     TransformTree tree("a.mcap");
-    TransformTree bare("a.mcap");  // the rig is in the root itself
+    TransformTree bare("a.mcap");  // the rig is a child of the root
     TransformMessage map;
     map.header.frame_id = c.root;
     map.child_frame_id = "map";
@@ -90,7 +90,7 @@ TEST(TransformTree, WorldIsBelowTheCentreOfTheEarth) {
     EXPECT_EQ(world, c.world);
     ASSERT_EQ(path.size(), 5U);
     EXPECT_NEAR((path[2].pose.rotation * up).z(), 1.0, 1e-12);
-    world = c.root;  // asked for: as it is
+    world = c.root;  // requested: unchanged
     EXPECT_EQ(tree.path("base_link", world).size(), 5U);
     world.clear();
     if (c.is_level)

@@ -50,11 +50,12 @@ TEST(CloudFile, NpzHoldsArrays) {
   EXPECT_EQ(bytes.compare(xyz + 7, 6, "\x93NUMPY"), 0);
   EXPECT_NE(bytes.find("'shape': (2, 3), "), std::string::npos);
   EXPECT_NE(bytes.find("'shape': (2,), "), std::string::npos);
-  EXPECT_EQ(value_at<float>(bytes, xyz + 7 + 128 + 12), -4.0F);  // the header takes a multiple of 64 bytes
+  EXPECT_EQ(value_at<float>(bytes, xyz + 7 + 128 + 12),
+            -4.0F);  // the header's size is a multiple of 64 bytes
   EXPECT_EQ(bytes.substr(bytes.size() - 22, 4), "PK\x05\x06");
 }
 
-/// Where no float is a millimetre, with counts beside.
+/// Coordinates whose float resolution is coarser than a millimetre, with counts.
 PointCloud far_cloud() {
   PointCloud cloud;
   cloud.columns = {"x", "y", "z", "time", "ring"};

@@ -24,7 +24,7 @@ using test::Scratch;
 using test::some_set;
 using Json = nlohmann::ordered_json;
 
-/// A file of these two chunks, byte for byte as section 4.4 of glTF 2.0 says.
+/// Returns a file of these two chunks according to section 4.4 of glTF 2.0.
 std::string glb(std::string json, std::string binary) {
   json.resize((json.size() + 3) / 4 * 4, ' ');
   binary.resize((binary.size() + 3) / 4 * 4, '\0');
@@ -57,7 +57,7 @@ Parts parts_of(const std::string& bytes) {
   return {Json::parse(bytes.substr(20, json)), bytes.substr(28 + json)};
 }
 
-/// All numbers of an attribute in floats.
+/// Returns all numbers of an attribute as floats.
 std::vector<float> floats_of(const Parts& parts, const std::string& name) {
   const Json& primitive = parts.json.at("meshes").at(0).at("primitives").at(0);
   const Json& accessor =
@@ -69,12 +69,12 @@ std::vector<float> floats_of(const Parts& parts, const std::string& name) {
   return out;
 }
 
-/// One particle ahead, to the left and above, in a scene's axes.
+/// Returns one particle ahead, to the left and above, in scene axes.
 GaussianSet one_particle() {
   GaussianSet set(SetKind::kCamera, 1, 1);
   set.mean().row(0) << 10.0F, 20.0F, 30.0F;  // ahead, left, up
   set.log_scale().row(0) << std::log(1.0F), std::log(2.0F), 0.0F;
-  set.rotation().row(0) << 2.0F, 0.0F, 0.0F, 0.0F;  // not of length 1
+  set.rotation().row(0) << 2.0F, 0.0F, 0.0F, 0.0F;  // not normalised
   set.opacity_logit()(0) = std::log(0.25F / 0.75F);
   set.sh(0).row(0) << 0.0F, (1.0F - 0.5F) / kSh0, (0.0F - 0.5F) / kSh0;  // half, full and no light
   set.sh(1).row(0) << 0.1F, 0.0F, 0.0F;                                  // y: to the left
@@ -87,7 +87,7 @@ TEST(Glb, HoldsWhatTheExtensionSays) {
   const std::string bytes = glb_of(one_particle(), {SplatAxes::kZUp}, "a.glb");
   const Parts parts = parts_of(bytes);
   EXPECT_EQ(parts.json.at("extensionsUsed"), Json::array({"KHR_gaussian_splatting"}));
-  EXPECT_FALSE(parts.json.contains("extensionsRequired"));  // points, for those that know no splats
+  EXPECT_FALSE(parts.json.contains("extensionsRequired"));  // points for readers without support of splats
   EXPECT_EQ(parts.json.at("asset").at("version"), "2.0");
   const Json& primitive = parts.json.at("meshes").at(0).at("primitives").at(0);
   EXPECT_EQ(primitive.at("mode"), 0);
@@ -101,7 +101,8 @@ TEST(Glb, HoldsWhatTheExtensionSays) {
   EXPECT_EQ(position.at("min"), Json::array({20.0, 30.0, 10.0}));
   EXPECT_EQ(position.at("max"), Json::array({20.0, 30.0, 10.0}));
   EXPECT_EQ(position.at("type"), "VEC3");
-  // x, y, z, w of length 1: what takes our axes to theirs. Scales along the particle's own axes stay.
+  // x, y, z, w of norm 1: the rotation from scene axes to file axes. Scales along the particle's axes are
+  // unchanged.
   const std::vector<float> q = floats_of(parts, "KHR_gaussian_splatting:ROTATION");
   ASSERT_EQ(q.size(), 4U);
   EXPECT_TRUE((Eigen::Quaternionf(q[3], q[0], q[1], q[2]) * Eigen::Vector3f(1.0F, 2.0F, 3.0F))
@@ -110,12 +111,12 @@ TEST(Glb, HoldsWhatTheExtensionSays) {
   EXPECT_NEAR(scale[1], 2.0F, 1e-6F);
   EXPECT_NEAR(floats_of(parts, "KHR_gaussian_splatting:OPACITY")[0], 0.25F, 1e-7F);
   EXPECT_NEAR(floats_of(parts, "KHR_gaussian_splatting:SH_DEGREE_0_COEF_0")[1], 0.5F / kSh0, 1e-5F);
-  // Orders -1, 0, 1 belong to their y, z, x with the signs -, +, -: ours along left, up, ahead are theirs
-  // along x, y, z.
+  // Orders -1, 0, 1 belong to y, z, x with the signs -, +, -: coefficients along left, up, ahead are along x,
+  // y, z in the file.
   EXPECT_NEAR(floats_of(parts, "KHR_gaussian_splatting:SH_DEGREE_1_COEF_0")[0], -0.2F, 1e-6F);
   EXPECT_NEAR(floats_of(parts, "KHR_gaussian_splatting:SH_DEGREE_1_COEF_1")[0], -0.3F, 1e-6F);
   EXPECT_NEAR(floats_of(parts, "KHR_gaussian_splatting:SH_DEGREE_1_COEF_2")[0], 0.1F, 1e-6F);
-  // Light, not the numbers of a picture: half of these is a fifth of that.
+  // COLOR_0 is linear: a picture value of one half is about a fifth.
   const Json& color = parts.json.at("accessors").at(primitive.at("attributes").at("COLOR_0").get<int>());
   EXPECT_EQ(color.at("componentType"), 5121);
   EXPECT_EQ(color.at("normalized"), true);
@@ -191,7 +192,8 @@ TEST(Glb, TellsWhatTheSpzInItTells) {
   }
 }
 
-/// One particle in integers, interleaved, in a node that turns, doubles and moves it.
+/// Returns one particle with integer attributes, interleaved, in a node with rotation, scale 2 and
+/// translation.
 std::string small_glb(const std::string& from = "", const std::string& to = "") {
   std::string json = R"({"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_gaussian_splatting"],
     "scene": 0, "scenes": [{"nodes": [0]}],
@@ -230,12 +232,12 @@ TEST(Glb, ReadsIntegersWhereNodesPutThem) {
   const Scratch scratch;
   const GaussianSet set = read_splats(scratch.file("n.glb", small_glb()));
   ASSERT_EQ(set.size(), 1);
-  // A quarter turn about y takes (1, 2, 3) to (3, 2, -1); five along z, twice as large: (6, 4, 8), which is x
-  // left, y up, z ahead. Right, down, ahead:
+  // A quarter rotation about y maps (1, 2, 3) to (3, 2, -1); plus five along z, twice as large: (6, 4, 8)
+  // with x left, y up, z ahead. Right, down, ahead:
   EXPECT_TRUE(Eigen::RowVector3f(set.mean().row(0)).isApprox(Eigen::RowVector3f(-6.0F, -4.0F, 8.0F), 1e-5F));
   EXPECT_NEAR(set.log_scale()(0, 0), std::log(2.0F), 1e-6F);
   EXPECT_NEAR(set.log_scale()(0, 1), std::log(4.0F), 1e-6F);
-  EXPECT_LT(set.log_scale()(0, 2), -19.0F);  // 0 m has no logarithm
+  EXPECT_LT(set.log_scale()(0, 2), -19.0F);  // 0 m has no finite logarithm
   EXPECT_NEAR(set.opacity_logit()(0), std::log(0.25F), 1e-4F);
   const Eigen::RowVector4f wxyz = set.rotation().row(0);
   const Eigen::Quaternionf q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
@@ -293,7 +295,7 @@ TEST(Glb, RefusesWhatDoesNotFit) {
   EXPECT_FALSE(std::filesystem::exists(scratch / "l.glb"));
 }
 
-/// A small file that tells of the same bytes a thousand times.
+/// A small file that references the same bytes a thousand times.
 TEST(Glb, TakesNoMemoryForRepetition) {
   const Scratch scratch;
   std::string nodes = R"("nodes": [)", roots;

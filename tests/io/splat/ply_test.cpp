@@ -24,7 +24,7 @@ using test::ascii_ply;
 using test::expect_input_error;
 using test::Scratch;
 
-/// Any finite float, subnormals included.
+/// Returns any finite float, including subnormals.
 float any_float(std::mt19937_64& random) {
   for (;;) {
     const auto value = std::bit_cast<float>(static_cast<std::uint32_t>(random()));
@@ -42,14 +42,14 @@ GaussianSet any_set(SetKind kind, int degree, Eigen::Index count) {
   return set;
 }
 
-/// Same bits, so that -0 and subnormals count.
+/// Whether all bits are equal, including -0 and subnormals.
 bool same_bits(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b) {
   return a.rows() == b.rows() && a.cols() == b.cols() &&
          (a.size() == 0 ||
           std::memcmp(a.data(), b.data(), sizeof(float) * static_cast<std::size_t>(a.size())) == 0);
 }
 
-/// A reader of its own for little-endian files of float properties alone.
+/// An independent reader of little-endian files with only float properties.
 std::map<std::string, std::vector<float>> read_plain(const std::string& bytes) {
   const std::size_t end = bytes.find("end_header\n") + 11;
   std::vector<std::string> names;
@@ -200,7 +200,7 @@ TEST(Ply, BothByteOrdersAndAllTypes) {
 TEST(Ply, AsciiIsReadTheSameInAnyLocale) {
   const Scratch scratch;
   const std::string old_locale = std::setlocale(LC_ALL, nullptr);
-  // Whichever locale with a decimal comma is installed; the check holds without one, too.
+  // Any installed locale with a decimal comma; the check also holds without one.
   for (const char* name : {"de_DE.UTF-8", "fr_FR.UTF-8"}) {
     if (std::setlocale(LC_ALL, name) != nullptr) break;
   }
@@ -294,12 +294,12 @@ TEST(Ply, OneBadParticleOfAnothersFileIsLeftOut) {
   const GaussianSet set = read_splats(scratch.file("a.ply", text), &report);
   ASSERT_EQ(set.size(), 3);
   EXPECT_EQ(report.left_out, 3);
-  // The same where such a file is a scene.
+  // The same if such a file is read as a scene.
   const SceneFile scene = read_scene(scratch / "a.ply");
   EXPECT_EQ(scene.scene.camera.size(), 3);
   EXPECT_EQ(scene.splats.left_out, 3);
   EXPECT_EQ(set.mean().col(0), Eigen::Vector3f(1.0F, 3.0F, 6.0F));
-  // sigmoid(Inf) is 1, of -Inf 0: as a byte of 255 and of 0 is read.
+  // sigmoid(Inf) is 1, sigmoid(-Inf) 0: read like the bytes 255 and 0.
   EXPECT_FLOAT_EQ(set.opacity_logit()(0), std::log(509.0F));
   EXPECT_FLOAT_EQ(set.opacity_logit()(1), -std::log(509.0F));
   EXPECT_EQ(set.opacity_logit()(2), 0.0F);

@@ -22,7 +22,7 @@ using test::expect_input_error;
 using test::Scratch;
 using test::some_set;
 
-/// How far apart two rotations are, rad.
+/// Returns the angle between two rotations in rad.
 float angle_between(const GaussianSet& a, const GaussianSet& b, Eigen::Index v) {
   const Eigen::Vector4f p = a.rotation().row(v).normalized(), q = b.rotation().row(v).normalized();
   return 2.0F * std::acos(std::min(1.0F, std::abs(p.dot(q))));
@@ -63,7 +63,7 @@ TEST(Spz, ReadsWhatItWrote) {
   EXPECT_EQ(read_spz(scratch / "none.spz").size(), 0);
 }
 
-/// One particle, version 1 or 2, uncompressed, byte by byte.
+/// Returns one particle, version 1 or 2, uncompressed, byte by byte.
 std::string small_spz(char version) {
   std::string bytes("NGSP\x00\x00\x00\x00\x01\x00\x00\x00\x00\x08\x00\x00", 16);
   bytes[4] = version;
@@ -176,7 +176,7 @@ void append_word(std::string& to, std::uint32_t value) {
   to.append(bytes, 4);
 }
 
-/// Two particles in one chunk: the first at all lower bounds, the second at all upper ones.
+/// Returns two particles in one chunk: the first at all lower bounds, the second at all upper bounds.
 std::string small_compressed(bool with_sh) {
   std::string text = "ply\nformat binary_little_endian 1.0\nelement chunk 1\n";
   for (const char* low : {"min", "max"}) {
@@ -202,7 +202,7 @@ std::string small_compressed(bool with_sh) {
   for (const float bound : {-1.0F, -2.0F, -3.0F, 1.0F, 2.0F, 3.0F}) append_float(text, bound);
   for (const float bound : {-6.0F, -5.0F, -4.0F, -3.0F, -2.0F, -1.0F}) append_float(text, bound);
   for (const float bound : {0.0F, 0.1F, 0.2F, 1.0F, 0.9F, 0.8F}) append_float(text, bound);
-  const std::uint32_t middle = 512U << 20U | 512U << 10U | 512U;  // all but nothing
+  const std::uint32_t middle = 512U << 20U | 512U << 10U | 512U;  // nearly zero
   for (const std::uint32_t word : {0U, middle, 0U, 0U}) append_word(text, word);
   for (const std::uint32_t word : {~0U, 2U << 30U | middle, ~0U, ~0U}) append_word(text, word);
   if (with_sh) text += std::string("\x00\x01\x02\x03\x04\x05\x06\x07\x08", 9) + std::string(9, '\xff');

@@ -25,7 +25,7 @@ TEST(CompareActors, TakesTheCommonOffsetOff) {
   Actor found = driving("moving_0", 3.2, 8.0, 0.03, 0.04);
   found.size_m.x() = 3.5;
   const ActorComparison c = compare_actors({label, driving("standing", 9.0, 0.0)}, {found}, 2.0);
-  ASSERT_EQ(c.labels.size(), 1U);  // what stands is not asked for
+  ASSERT_EQ(c.labels.size(), 1U);  // static labels are ignored
   const ActorMatch& m = c.labels[0];
   EXPECT_EQ(m.found, "moving_0");
   EXPECT_EQ(m.times, 20U);

@@ -7,7 +7,7 @@ namespace complete_actors_test {
 
 using Eigen::Vector3d;
 
-/// Keys `first` to `last` at 10 Hz, along x at 8 m/s.
+/// Returns keys `first` to `last` at 10 Hz, along x at 8 m/s.
 Actor driving(const std::string& name,
               int first,
               int last,
@@ -41,7 +41,7 @@ TEST(CompleteActors, ALabelGoesOnBeforeAndAfterWithoutTheOffset) {
     EXPECT_LT(key.world_from_actor.rotation.angularDistance(whole.track[k].world_from_actor.rotation), 1e-9);
     if (k >= 5 && k <= 12) {
       EXPECT_EQ(key.world_from_actor.translation.y(), 3.0);
-    }  // the label's own bits
+    }  // bits of the label
   }
 }
 

@@ -18,7 +18,7 @@ using test::Motion2d;
 using test::MovingWorld;
 
 constexpr FrameSelection kAllFrames{.held_out_every = 0}, kEveryFifth{.held_out_every = 5};
-const Vector3d kCar_m(4.2, 2.0, 1.5);  // over the mirrors
+const Vector3d kCar_m(4.2, 2.0, 1.5);  // including mirrors
 
 Pose on_road(double x, double y, double heading) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(heading, Vector3d::UnitZ())), {x, y, 0.0}};
@@ -34,7 +34,7 @@ class FindActors : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   [[nodiscard]] Log write(const MovingWorld& world) const { return write_world(world, folder_ / "log"); }
-  /// The only found actor is the labelled one.
+  /// Returns the match of the only found actor with the label.
   static ActorMatch only_match(const Actor& label, const std::vector<Actor>& found) {
     EXPECT_EQ(found.size(), 1U);
     const ActorComparison comparison = compare_actors({label}, found, 1.0);
@@ -46,7 +46,7 @@ class FindActors : public testing::Test {
   std::filesystem::path folder_;
 };
 
-/// Oncoming, on a curve of 60 m radius.
+/// Oncoming, on a curve with a radius of 60 m.
 Pose curve(double time_s) {
   const double angle = 7.0 * time_s / 60.0;
   return on_road(
@@ -94,7 +94,7 @@ TEST_F(FindActors, HeldOutSweepsAreNotReadAndTracksReachOverThem) {
 }
 
 TEST_F(FindActors, OneThatStopsIsOneActorForItsWholeLife) {
-  const Motion2d stopping = [](double time_s) {  // 6 m/s, from 0.6 s on slower by 5 m/s^2
+  const Motion2d stopping = [](double time_s) {  // 6 m/s, decelerating by 5 m/s^2 from 0.6 s
     const double braked_s = std::min(std::max(time_s - 0.6, 0.0), 1.2);
     return on_road(10.0 + 6.0 * std::min(time_s, 0.6) + 6.0 * braked_s - 2.5 * braked_s * braked_s, 0.3, 0.0);
   };
@@ -117,7 +117,7 @@ TEST_F(FindActors, ALongOneIsNotCut) {
   world.boxes = {{size_m, ahead, true}};
   const ActorMatch match =
       only_match(test::label_of(size_m, ahead, 2.4), find_actors(write(world), kAllFrames, {}).actors);
-  EXPECT_NEAR(match.found_size_m.x(), 11.2, 1.0);  // its far end is seen at 6 degrees, by few rays
+  EXPECT_NEAR(match.found_size_m.x(), 11.2, 1.0);  // its far end is measured at 6 degrees by few rays
   EXPECT_LT(match.centre_m, 0.1);
   EXPECT_LT(match.heading_rad, 2.0 * kDegree);
 }
@@ -148,7 +148,7 @@ TEST_F(FindActors, WhatStandsIsNeverFound) {
 }
 
 TEST_F(FindActors, AWalkerIsAtMostOneSmallActor) {
-  // Crosses the road; legs swing, arms too.
+  // Crosses the road; legs and arms swing.
   const auto walker = [](double time_s) { return on_road(14.0, -5.0 + 2.2 * time_s, 0.5 * M_PI); };
   const auto limb = [&](const Vector3d& size, const Vector3d& base, double swing_m) {
     return test::WorldBox{size,

@@ -11,7 +11,8 @@ using Eigen::Vector3d;
 constexpr double kSensor_m = 1.8;
 constexpr double kPeriod_s = 0.1;
 
-/// Distance at which a ray enters the box that reaches from (-x/2, -y/2, 0) to (x/2, y/2, z); +inf: never.
+/// Returns the distance at which a ray enters the box from (-x/2, -y/2, 0) to (x/2, y/2, z); infinite without
+/// a hit.
 double entry_m(const Vector3d& size, const Vector3d& origin, const Vector3d& direction) {
   double enter = 0.0, leave = std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < 3; ++k) {

@@ -1,6 +1,5 @@
 #pragma once
-// A road between walls, with boxes that stand and boxes that drive, scanned from a moving rig: logs of which
-// all motion is known.
+// A road between walls with static and moving boxes, scanned from a moving rig: logs with known motion.
 #include <Eigen/Core>
 #include <filesystem>
 #include <functional>
@@ -11,7 +10,7 @@
 
 namespace simuli::test {
 
-/// A box that may move: origin in the middle of its base.
+/// A box that may move; its origin is the centre of its base.
 struct WorldBox {
   Eigen::Vector3d size_m;
   std::function<Pose(double time_s)> world_from_box;
@@ -20,20 +19,20 @@ struct WorldBox {
 
 [[nodiscard]] WorldBox standing_box(const Eigen::Vector3d& size_m, const Eigen::Vector3d& base_m);
 
-/// Where a body is at a time: on the ground, heading about z.
+/// Pose of a body at a time: on the ground, rotated about z.
 using Motion2d = std::function<Pose(double time_s)>;
-/// A car of 4.2 x 1.8 x 1.5 m: body, cabin and mirrors.
+/// Returns a car of 4.2 x 1.8 x 1.5 m: body, cabin and mirrors.
 [[nodiscard]] std::vector<WorldBox> car(const Motion2d& world_from_car);
-/// The same as labels have it: a key every 0.1 s, centred in its box.
+/// Returns its label: a key every 0.1 s, centred in the box.
 [[nodiscard]] Actor label_of(const Eigen::Vector3d& size_m, const Motion2d& world_from_body, double end_s);
 
 struct MovingWorld {
-  std::vector<WorldBox> boxes;  // beside road, walls, poles and parked cars, which are there anyway
+  std::vector<WorldBox> boxes;  // in addition to road, walls, poles and parked cars
   int sweeps = 24;              // at 10 Hz
   double speed_m_per_s = 4.0;   // of the rig, along x
 };
 
-/// Writes the log: a LiDAR of 64 rows and 720 columns 1.8 m above the road, no camera.
+/// Writes the log: a LiDAR of 64 beams and 720 columns 1.8 m above the road, no camera.
 [[nodiscard]] Log write_world(const MovingWorld& world, const std::filesystem::path& folder);
 
 }  // namespace simuli::test

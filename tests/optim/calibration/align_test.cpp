@@ -36,7 +36,7 @@ TEST_F(StreetLog, GetsItsPathFromItsSweepsAlone) {
   EXPECT_NEAR(report.length_m, 4.0, 0.04);
   EXPECT_LT(report.refined.median_m, 0.02);
   EXPECT_GT(report.refined.planar_share, report.recorded.planar_share);
-  EXPECT_FALSE(report.spin.spin);  // not asked for
+  EXPECT_FALSE(report.spin.spin);  // not requested
 
   const fs::path out = scratch_ / "aligned.log";
   write_aligned_log(blind, Trajectory(report.path), out);
@@ -46,7 +46,8 @@ TEST_F(StreetLog, GetsItsPathFromItsSweepsAlone) {
   const Lidar& lidar = log_.lidars[0].with_rows();
   EXPECT_EQ(read_sweep(out / aligned.sweeps[2].file, lidar).range,
             read_sweep(log_.folder / log_.sweeps[2].file, lidar).range);
-  EXPECT_THROW(write_aligned_log(blind, Trajectory(report.path), out), Error);  // never over another
+  // existing logs are not replaced
+  EXPECT_THROW(write_aligned_log(blind, Trajectory(report.path), out), Error);
 }
 
 TEST_F(StreetLog, StartsWhereItsPriorDoes) {

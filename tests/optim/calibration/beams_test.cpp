@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kTicks = 4000;
 
-/// A made-up sensor: 16 beams from two columns of emitters, as unlike an even table as real ones are.
+/// Returns 16 beams from two columns of emitters, with irregular elevations like real sensors.
 std::vector<LidarRow> true_rows() {
   std::vector<LidarRow> rows;
   for (int r = 0; r < 16; ++r) {
@@ -33,10 +33,11 @@ std::vector<LidarRow> true_rows() {
 
 struct Firing {
   bool on_grid = true;    // azimuths are quantised by an encoder
-  bool constant = false;  // everything is 8 m away
+  bool constant = false;  // all points are 8 m away
 };
 
-/// Sweeps of shuffled points, rounded to millimetres as recorders do; a fifth of the firings return nothing.
+/// Returns sweeps of shuffled points, rounded to millimetres as recorders do; a fifth of the rays have no
+/// return.
 std::vector<RawSweep> fire(const Firing& how, int sweeps) {
   std::mt19937_64 dice(7);
   std::uniform_real_distribution<double> in(0.0, 1.0);
@@ -73,11 +74,11 @@ TEST(Beams, AreFoundInShuffledPoints) {
   EXPECT_EQ(table.encoder_ticks, kTicks);
   EXPECT_NEAR(table.columns, kTicks / 1.857, 15.0);  // the firings drawn vary by 0.4 %
   EXPECT_NEAR(table.returned_share, 0.8, 0.01);
-  // Azimuth offsets are told apart from one another, not from the column's: compare differences.
+  // Azimuth offsets are only determined relative to each other: compares differences.
   const double first = table.rows[0].row.azimuth_offset - truth[0].azimuth_offset;
   for (std::size_t r = 0; r < truth.size(); ++r) {
     const BeamEstimate& beam = table.rows[r];
-    // Points rounded to 1 mm at 4 to 24 m, thousands of them.
+    // Thousands of points at 4 to 24 m, rounded to 1 mm.
     EXPECT_NEAR(beam.row.elevation, truth[r].elevation, 0.02e-3) << r;
     EXPECT_NEAR(beam.row.vertical_offset, truth[r].vertical_offset, 1e-3) << r;
     EXPECT_NEAR(beam.row.horizontal_offset, truth[r].horizontal_offset, 0.5e-3) << r;
@@ -105,8 +106,8 @@ TEST(Beams, NearPointsAreHeldAgainstNone) {
   EXPECT_NEAR(lidar_of(table, "blind spot", SpinDirection::kClockwise).range_min, 0.4, 1e-6);
 }
 
-TEST(Beams, OneDistanceTellsNoOffsets) {
-  // A round wall, 8 m away everywhere: height over distance is one number, lever arm or tilt.
+TEST(Beams, OneDistanceDeterminesNoOffsets) {
+  // A round wall 8 m away: height over distance is constant, so offset and tilt are ambiguous.
   const BeamTable table = find_beams(fire({true, true}, 4));
   std::size_t unknown_heights = 0;
   std::size_t unknown_sides = 0;
@@ -125,8 +126,8 @@ TEST(Beams, OneDistanceTellsNoOffsets) {
   EXPECT_TRUE(says("horizontal offset of 16 of 16 rows: not determined"));
 }
 
-TEST(Beams, RowsStandInTheOrderOfTheSensor) {
-  // A room: beams that meet its floor alone, about as far away all around, are found with offsets that are not theirs.
+TEST(Beams, RowsAreInTheOrderOfTheSensor) {
+  // A room: beams that only hit its floor, at similar distances, receive wrong offsets.
   RawSweep sweep;
   for (int i = 0; i < 400 * 16; ++i) {
     const double azimuth = i / 16 * 2.0 * kPi / 400.0, elevation = (15.0 - 2.0 * (i % 16)) * kDegree;
@@ -184,7 +185,7 @@ TEST(Beams, Kitti) {
   for (std::size_t r = 0; r < known.rows.size(); ++r) {
     EXPECT_NEAR(table.rows[r].row.elevation, known.rows[r].elevation, 0.1e-3) << r;
     EXPECT_NEAR(table.rows[r].row.vertical_offset, known.rows[r].vertical_offset, 5e-3) << r;
-    // Emitters of an HDL-64E stand 26 mm left and right of the axis in turn.
+    // Emitters of an HDL-64E are alternately 26 mm left and right of the axis.
     EXPECT_NEAR(table.rows[r].row.horizontal_offset, r % 2 == 0 ? -0.026 : 0.026, 1e-3) << r;
     EXPECT_TRUE(table.rows[r].azimuth_offset_known) << r;
   }

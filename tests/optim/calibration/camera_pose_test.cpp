@@ -1,4 +1,4 @@
-// Mountings and clocks won back from the analytic street.
+// Tests the estimation of mountings and clocks with the analytic street.
 #include "optim/calibration/camera/camera_pose.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,8 @@ Image picture_of(const test::StreetDrive& drive, const LogCamera& camera, const 
   return render_street(drive.street, camera, drive.log.world_from_rig, frame.time_start_s, frame.time_end_s);
 }
 
-/// Pictures, depth edges and surfaces of a drive; the pictures' recorded times are early by clock_error_s.
+/// Records pictures, depth edges and surfaces of a drive; the pictures' recorded times are early by
+/// clock_error_s.
 Recording record(const test::StreetDrive& drive, double clock_error_s) {
   Recording out;
   const Log& log = drive.log;
@@ -49,7 +50,7 @@ Recording record(const test::StreetDrive& drive, double clock_error_s) {
   return out;
 }
 
-/// 5 cm and 1 degree off.
+/// Returns the camera with an error of 5 cm and 1 degree.
 LogCamera misplaced(const LogCamera& camera) {
   LogCamera out = camera;
   const Eigen::Vector3d axis = Eigen::Vector3d(1.0, -1.0, 0.7).normalized();
@@ -72,7 +73,7 @@ TEST(CameraPose, IsWonBackWithTheClock) {
   EXPECT_LT(report.after_px, report.before_px);
   EXPECT_GT(report.pieces, 500U);
   EXPECT_GT(report.texture_after, report.texture_before);
-  // What is said of the errors holds: none is beyond three standard deviations, and these are small.
+  // The standard deviations are valid: no error exceeds three of them, and they are small.
   Mounting real{truth.rig_from_camera, 0.02};
   const MountingStep error = step_between(real, {report.rig_from_camera, report.time_offset_s});
   for (int k = 0; k < 3; ++k) {
@@ -85,8 +86,8 @@ TEST(CameraPose, IsWonBackWithTheClock) {
   EXPECT_NEAR(report.rotation_change_rad, kDegree, 0.05 * kDegree);
 }
 
-TEST(CameraPose, AtConstantSpeedTheClockIsNotTold) {
-  // Straight ahead at one speed: 20 ms late is 16 cm further ahead, and nothing tells which.
+TEST(CameraPose, AtConstantSpeedTheClockIsUndetermined) {
+  // At constant speed a delay of 20 ms equals a shift of 16 cm ahead.
   test::StreetDrive drive(8, 8.0, 0.0);
   drive.log.world_from_rig = Trajectory({{-0.3, {Eigen::Quaterniond::Identity(), {2.0, -1.75, 0.0}}},
                                          {1.2, {Eigen::Quaterniond::Identity(), {14.0, -1.75, 0.0}}}});
@@ -97,7 +98,7 @@ TEST(CameraPose, AtConstantSpeedTheClockIsNotTold) {
   EXPECT_EQ(report.time_offset_s, 0.0);
   ASSERT_FALSE(report.notes.empty());
   EXPECT_NE(report.notes.front().find("constant speed"), std::string::npos) << report.notes.front();
-  // The mounting is still found.
+  // The mounting is still determined.
   EXPECT_LT(report.translation_change_m.norm(), 0.06) << report.translation_change_m.transpose();
 }
 
@@ -115,7 +116,7 @@ TEST(CameraPose, ABlankWallIsRefused) {
   }
 }
 
-/// The drive's log with its pictures and sweeps on disk.
+/// Returns the drive's log with its pictures and sweeps written.
 Log written(const test::StreetDrive& drive, const test::Scratch& scratch) {
   Log log = drive.log;
   log.folder = scratch / "log";
@@ -128,7 +129,7 @@ Log written(const test::StreetDrive& drive, const test::Scratch& scratch) {
   return log;
 }
 
-/// A mask that hides the left eighth of each picture.
+/// Adds a mask that hides the left eighth of each picture.
 void mask_pillar(Log& log) {
   const Camera& camera = log.cameras[0].model;
   CameraMask mask{camera.width, camera.height, {}};
@@ -138,7 +139,7 @@ void mask_pillar(Log& log) {
   log.hidden[camera.name] = std::make_shared<const CameraMask>(mask);
 }
 
-/// Paints stripes so wide over what that mask hides.
+/// Paints stripes of this width over the masked area.
 void paint_pillar(const Log& log, int stripes_px) {
   for (const ImageFrame& frame : log.images) {
     Image picture = read_image(log.folder / frame.file);
@@ -208,7 +209,7 @@ TEST(CameraPose, IsToldTwiceByTheHalvesOfADrive) {
     EXPECT_GE(report.translation_sigma_m[k], 0.5 * std::abs((*report.halves_apart_m)[k]));
     EXPECT_GE(report.rotation_sigma_rad[k], 0.5 * std::abs((*report.halves_apart_rad)[k]));
   }
-  // The pictures of either half from a camera that has been turned by so many degrees.
+  // Pictures of each half from a camera rotated by these angles.
   const auto refuse_turned = [&](double first_deg, double second_deg, const char* reason) {
     for (std::size_t i = 0; i < log.images.size(); ++i) {
       const double angle = (i < log.images.size() / 2 ? first_deg : second_deg) * kDegree;
@@ -220,7 +221,8 @@ TEST(CameraPose, IsToldTwiceByTheHalvesOfADrive) {
     expect_error(ErrorKind::kNumeric, reason, [&] { (void)pose_in(log); });
   };
   refuse_turned(0.0, 1.0, "halves of the drive put it");
-  // They agree more or less, but what the first one asks for is farther from the second one than what was given.
+  // The halves roughly agree, but the first half's result is farther from the second half than the given
+  // mounting.
   log.cameras[0] = truth;
   refuse_turned(0.3, 0.14, "pictures that the first half of the drive has not seen speak against");
 }
@@ -234,7 +236,7 @@ TEST(CameraPose, IsJudgedByPicturesThatItHasNotSeen) {
     need_better(recording.views, given, found, "nobody", drive.log.world_from_rig, recording.scene);
   };
   judge(misplaced(truth), right);
-  // What is beside the truth by a little, by more, and in time.
+  // Mountings that differ from the truth by little, by more, and in time.
   MountingStep step = MountingStep::Zero();
   step[4] = 0.1 * kDegree;
   for (const Mounting& beside :
@@ -243,13 +245,13 @@ TEST(CameraPose, IsJudgedByPicturesThatItHasNotSeen) {
       judge(truth, beside);
     });
   }
-  // Only what speaks against it is told: edges are nearer.
+  // Only contradictions are reported: edges are nearer.
   LogCamera given = truth;
   given.rig_from_camera = moved(right, 4.2 * step).rig_from_camera;
   expect_error(ErrorKind::kNumeric, "asks for: correlation of texture", [&] {
     judge(given, Mounting{truth.rig_from_camera, 0.02});
   });
-  // Where edges tell too little, texture does.
+  // If edges do not determine the mounting, texture is used.
   const auto texture = [&](const Mounting& mounting) {
     return texture_of(recording.views,
                       truth.model,
@@ -309,7 +311,7 @@ TEST(CameraPose, WhatWasGivenStandsUnlessPicturesSayOtherwise) {
     EXPECT_EQ(report.rig_from_camera.rotation.coeffs(), taken.rotation.coeffs()) << c.what;
     EXPECT_EQ(report.time_offset_s, c.stands ? 0.0 : c.late_s) << c.what;
   }
-  // What says nothing contradicts nothing.
+  // Data without information contradict no mounting.
   CameraPoseReport vague;
   vague.rig_from_camera = given.rig_from_camera;
   vague.rotation_sigma_rad.y() = 0.21 * kDegree;
@@ -333,7 +335,7 @@ TEST(CameraPose, APictureOfAnotherSizeIsRefused) {
 }
 
 TEST(DepthEdges, LieOnTheRimsOfAPole) {
-  // One row of rays from -10 to 10 degrees; a pole 4 m away before a wall at 10 m.
+  // A sweep of one beam from -10 to 10 degrees; a pole 4 m away in front of a wall at 10 m.
   Lidar model;
   model.name = "fan";
   model.rows = {LidarRow{}};
@@ -361,7 +363,7 @@ TEST(DepthEdges, LieOnTheRimsOfAPole) {
 }
 
 TEST(EdgeImage, FindsAStepToAnEighthOfAPixel) {
-  // A step at x = 20.3, blurred by the pixels' own area.
+  // A step at x = 20.3, blurred by the pixel area.
   Image image(64, 32, 1);
   for (int y = 0; y < 32; ++y) {
     for (int x = 0; x < 64; ++x) image.at(x, y, 0) = static_cast<float>(std::clamp(x + 1 - 20.3, 0.0, 1.0));
@@ -384,7 +386,7 @@ TEST(EdgeImage, FindsNoneWhereAMaskBegins) {
   EdgeImage::Edge edge;
   EXPECT_FALSE(edges.find({36.0, 15.5}, Eigen::Vector2d::UnitX(), 8.0, 0.01, edge));
   EXPECT_TRUE(edges.find({14.0, 15.5}, Eigen::Vector2d::UnitX(), 8.0, 0.01, edge));
-  EXPECT_TRUE(edges.is_open({36.9, 15.5}));  // what is hidden flows three pixels far
+  EXPECT_TRUE(edges.is_open({36.9, 15.5}));  // masked pixels affect three neighbours
   EXPECT_FALSE(edges.is_open({37.1, 15.5}));
 }
 

@@ -1,4 +1,4 @@
-// What texture tells of a mounting, piece by piece.
+// Tests the information of texture on a mounting, piece by piece.
 #include "optim/calibration/camera/camera_texture.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace simuli::calibration {
 namespace {
 
-/// Around a bend, faster and faster.
+/// An accelerated motion around a bend.
 Trajectory bend() {
   std::vector<TimedPose> poses;
   for (int i = 0; i <= 40; ++i) {
@@ -41,7 +41,8 @@ TEST(CameraTexture, DerivativesOfAPointAreThoseOfTheMounting) {
         return camera_point(path, moved(mounting, step * MountingStep::Unit(k)), 1.02, p_world).position;
       };
       const Eigen::Vector3d numeric = (at(h) - at(-h)) / (2.0 * h);
-      // The clock's derivative is a difference over 0.1 ms: acceleration and turn leave its half of it.
+      // The clock's derivative is a difference over 0.1 ms, with an error of half the acceleration and
+      // rotation.
       EXPECT_LT((point.slope.col(k) - numeric).norm(), k == 6 ? 2e-3 : 1e-6) << k;
     }
   }
@@ -55,7 +56,7 @@ TEST(CameraTexture, StepsAddUp) {
   EXPECT_LT(step_between(mounting, mounting).norm(), 1e-12);
 }
 
-/// A wall 10 m ahead with one pattern for both sensors, seen by a camera that drives along it.
+/// A wall 10 m ahead with one pattern for both sensors, passed by a camera.
 struct PaintedWall {
   Camera camera;
   std::vector<CameraView> views;
@@ -115,8 +116,9 @@ TEST(CameraTexture, MovesTheCameraToWhereBothSensorsAgree) {
   ASSERT_GT(fit.pieces, 50U);
   EXPECT_GT(fit.after, 0.95);
   EXPECT_GT(fit.after, fit.before);
-  EXPECT_EQ(fit.mounting.time_offset_s, 0.0);  // not asked for
-  // One wall does not tell a shift along it from a turn: what it tells is where its points are seen.
+  EXPECT_EQ(fit.mounting.time_offset_s, 0.0);  // not requested
+  // A wall does not distinguish a shift along it from a rotation: only the projection of its points is
+  // determined.
   for (const double y : {-3.0, 0.0, 3.0}) {
     const Eigen::Vector3d p(10.0, y, 1.0);
     const Eigen::Vector3d real = camera_point(wall.path, wall.truth, 0.0, p).position;

@@ -48,7 +48,7 @@ Camera some_camera(LensKind kind) {
   return camera;
 }
 
-/// The same camera with parameter `index` (fx, fy, cx, cy, then the lens's) moved by `step`.
+/// Returns the camera with parameter `index` (fx, fy, cx, cy, then the lens's) changed by `step`.
 Camera changed(const Camera& camera, std::size_t index, double step) {
   Camera out = camera;
   const std::array<double*, 4> focal{&out.fx, &out.fy, &out.cx, &out.cy};
@@ -75,7 +75,7 @@ TEST(LensFit, DerivativesAreThoseOfTheLensItself) {
         ASSERT_TRUE(changed(camera, static_cast<std::size_t>(k), kStep).project(direction, above));
         ASSERT_TRUE(changed(camera, static_cast<std::size_t>(k), -kStep).project(direction, below));
         const Eigen::Vector2d slope = (above - below) / (2.0 * kStep);
-        // Differences of pixels near 300 at a step of 1e-6 are good to 1e-7 absolutely.
+        // Differences of pixels near 300 at a step of 1e-6 have an absolute error of 1e-7.
         EXPECT_LT((derivatives.col(k) - slope).norm(), 1e-5 * (1.0 + slope.norm()))
             << to_string(kind) << " parameter " << k;
       }
@@ -86,17 +86,17 @@ TEST(LensFit, DerivativesAreThoseOfTheLensItself) {
 TEST(LensFit, EveryLensIsFoundAgainByItsOwnKind) {
   for (const LensKind kind : kFitted) {
     Camera camera = some_camera(kind);
-    // What the fit leaves alone.
+    // Parameters that the fit does not change.
     if (kind == LensKind::kOpencvPinhole) {
       camera.lens = Lens(kind, {-0.2, 0.05, 1e-3, -5e-4, -0.01, 0, 0, 0, 0, 0, 0, 0, 1.0});
     } else if (kind == LensKind::kFtheta || kind == LensKind::kFthetaInverse) {
       std::vector<double> lens = camera.lens.parameters();
-      lens[5] = 1.0;  // the focal lengths' part
+      lens[5] = 1.0;  // is determined by the focal lengths
       camera.lens = Lens(kind, lens);
     }
     const LensFit fit = fit_lens(camera, kind);
     EXPECT_GT(fit.checked, 1000U) << to_string(kind);
-    // Two parameters of a mirror trade against the focal length: the valley is flat, and the fit ends in it.
+    // Two parameters of a mirror are nearly equivalent to the focal length: the fit ends in a flat valley.
     const bool is_mirror =
         kind == LensKind::kMei || kind == LensKind::kDoubleSphere || kind == LensKind::kEucm;
     EXPECT_LT(fit.largest_px, is_mirror ? 0.3 : 1e-4) << to_string(kind);
@@ -114,7 +114,7 @@ TEST(LensFit, InvertsThePolynomialOfAnFthetaLens) {
 }
 
 TEST(LensFit, SaysHowWellAPoorModelDoes) {
-  // A pinhole cannot bend: what is left is what the fisheye bends, and that is measured on other rays.
+  // A pinhole has no distortion: the residual is the fisheye's distortion, measured on other rays.
   const LensFit fit = fit_lens(some_camera(LensKind::kOpencvFisheye), LensKind::kPinhole);
   EXPECT_GT(fit.rms_px, 1.0);
   EXPECT_GE(fit.largest_px, fit.rms_px);
@@ -127,7 +127,8 @@ TEST(LensFit, SaysHowWellAPoorModelDoes) {
 }
 
 TEST(LensFit, RealLensesGoIntoOthers) {
-  // An F-theta lens of 120 degrees as a Kannala-Brandt polynomial: both are odd-ish polynomials of the angle.
+  // An F-theta lens of 120 degrees as a Kannala-Brandt polynomial: both are nearly odd polynomials of the
+  // angle.
   for (const std::string& name : builtin_camera_names()) {
     const Camera camera = builtin_camera(name);
     if (camera.lens.kind() != LensKind::kFtheta && camera.lens.kind() != LensKind::kFthetaInverse) continue;

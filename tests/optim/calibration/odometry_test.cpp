@@ -1,4 +1,4 @@
-// Paths found in the analytic street, whose truth is known, and in recorded sweeps.
+// Tests trajectories estimated in the analytic street with ground truth and in recorded sweeps.
 #include "optim/calibration/path/odometry.hpp"
 
 #include <cstdlib>
@@ -25,7 +25,7 @@ namespace simuli::calibration {
 namespace {
 
 struct PathError {
-  double step_m = 0.0;  // largest over one segment
+  double step_m = 0.0;  // maximum over the segments
   double step_rad = 0.0;
   double end_m = 0.0;  // from the first knot to the last
   double end_rad = 0.0;
@@ -67,7 +67,7 @@ TEST_F(StreetPath, IsFoundWithoutAnyPose) {
   std::vector<TimedPose> path = find_path(*sweeps_, {});
   ASSERT_EQ(path.size(), sweeps_->size() + 1);
   const PathError odometry = error_of(path, drive_->log.world_from_rig);
-  // Sweep by sweep, over 10 m that start from nothing.
+  // Sweep by sweep, over 10 m without an initial value.
   EXPECT_LT(odometry.end_m, 0.03);
   const RefineReport report = refine_path(*sweeps_, {}, {}, path);
   const PathError refined = error_of(path, drive_->log.world_from_rig);
@@ -75,14 +75,14 @@ TEST_F(StreetPath, IsFoundWithoutAnyPose) {
   EXPECT_LT(refined.step_rad, 0.05 * kDegree);
   EXPECT_LT(refined.end_m, 0.02);
   EXPECT_LT(refined.end_rad, 0.05 * kDegree);
-  // Where the path ends is one draw of 1 cm from either; what refinement must better is every step.
+  // The end position has an error of about 1 cm in both; refinement must improve the steps.
   EXPECT_LT(refined.step_m, odometry.step_m);
   EXPECT_LT(refined.step_rad, odometry.step_rad);
   EXPECT_GT(report.planes, 300U);
   EXPECT_GT(report.step_sigma_m, 0.0);
   EXPECT_LT(report.step_sigma_m, 0.01);
   EXPECT_LT(fit_of(*sweeps_, path).median_m, 0.015);
-  // The same sweeps give the same bits.
+  // Equal sweeps give equal bits.
   std::vector<TimedPose> again = find_path(*sweeps_, {});
   (void)refine_path(*sweeps_, {}, {}, again);
   for (std::size_t i = 0; i < path.size(); ++i) {
@@ -92,7 +92,7 @@ TEST_F(StreetPath, IsFoundWithoutAnyPose) {
 }
 
 TEST_F(StreetPath, FollowsAPriorAsFarAsItIsBelieved) {
-  // A prior 0.5 m aside and 1 degree turned, everywhere: only it tells where the world is.
+  // A prior with a constant error of 0.5 m and 1 degree: only the prior defines the world frame.
   const Pose world_from_truth{Eigen::Quaterniond(Eigen::AngleAxisd(kDegree, Eigen::Vector3d::UnitZ())),
                               {0.0, 0.5, 0.0}};
   std::vector<TimedPose> poses;
@@ -124,8 +124,8 @@ TEST_F(StreetPath, RefinementHearsWhoInterrupts) {
     const std::clock_t now = std::clock();
     longest = std::max(longest, now - std::exchange(last, now));
   });
-  EXPECT_LT(longest, (std::clock() - begin) / 8);  // of processor time
-  // Threads take pieces as they come: of a million looks some more or fewer are the caller's.
+  EXPECT_LT(longest, (std::clock() - begin) / 8);  // CPU time
+  // Threads take pieces dynamically: the calling thread's share varies.
   for (const int last_look : {1, looks / 3, looks / 2, looks - looks / 1000}) {
     int left = last_look;
     EXPECT_THROW(refine([&] {
@@ -145,7 +145,7 @@ TEST_F(StreetPath, TheSpinIsTheOneThatKeepsWallsFlat) {
   reversed.resize(6);
   const SpinReport right = find_spin(head, reversed);
   ASSERT_TRUE(right.spin) << right.reason;
-  EXPECT_EQ(*right.spin, SpinDirection::kClockwise);  // as the street's sensor turns
+  EXPECT_EQ(*right.spin, SpinDirection::kClockwise);  // the spin of the street's sensor
   const SpinReport swapped = find_spin(reversed, head);
   ASSERT_TRUE(swapped.spin);
   EXPECT_EQ(*swapped.spin, SpinDirection::kCounterClockwise);
@@ -160,8 +160,8 @@ TEST(Spin, IsNotToldByARestingRig) {
   EXPECT_NE(report.reason.find("hardly moves"), std::string::npos) << report.reason;
 }
 
-/// Sweeps of a rig that drives 0.8 m a sweep along x between walls; `wall(direction)` is the distance along a
-/// ray.
+/// Returns sweeps of a rig that moves 0.8 m per sweep along x between walls; `wall(direction)` is the
+/// distance along a ray.
 template <class Wall>
 std::vector<Returns> made_up_sweeps(const Wall& range) {
   std::mt19937_64 dice(5);
@@ -195,7 +195,7 @@ void expect_refusal(const std::vector<Returns>& sweeps, const std::string& part)
 }
 
 TEST(Odometry, RefusesATunnel) {
-  // Two walls and a floor, all along x: nothing holds the rig that way.
+  // Two walls and a floor along x: the position along x is not determined.
   expect_refusal(made_up_sweeps([](const Eigen::Vector3d& d) {
                    const double side = 4.0 / std::max(1e-9, std::abs(d.y()));
                    const double floor = d.z() < 0.0 ? 1.8 / -d.z() : 1e9;
@@ -210,7 +210,7 @@ TEST(Odometry, RefusesABlankWall) {
 }
 
 TEST(Odometry, RefusesARoundTower) {
-  // Every normal points at the rig: it may turn as it likes.
+  // All normals point to the rig: the rotation is not determined.
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Vector3d> normals;
   for (int i = 0; i < 360; ++i) {

@@ -20,7 +20,7 @@ class RefinedPath : public testing::Test {
     options.image_height = 18;
     log_ = synth_street(options);
   }
-  /// The log with each of its poses a little off.
+  /// Returns the log with small errors in all poses.
   [[nodiscard]] Log shaken(double position_m, double rotation_rad) const {
     test::Random random(7);
     std::vector<TimedPose> poses = log_.world_from_rig.poses();
@@ -36,8 +36,7 @@ class RefinedPath : public testing::Test {
     log.world_from_rig = Trajectory(poses);
     return log;
   }
-  /// Root mean square of how far motions from sweep to sweep are off: where the path lies as a whole is not
-  /// seen.
+  /// Returns the RMS error of motions between sweeps; a common error of the trajectory is not observable.
   [[nodiscard]] double step_error_m(const Log& log) const {
     double sum = 0.0;
     for (std::size_t i = 1; i < log.sweeps.size(); ++i) {
@@ -62,7 +61,7 @@ TEST_F(RefinedPath, TakesBackWhatPosesAreOff) {
   EXPECT_LT(step_error_m(refined), 0.2 * step_error_m(log));
   EXPECT_GT(report.largest_change_m, 0.01);
   EXPECT_LT(report.largest_change_m, 0.3);
-  // Boxes stay where the rig saw them.
+  // Boxes remain at the rig-relative pose of their measurement.
   ASSERT_FALSE(refined.actors.empty());
   const KeyPose &before = log.actors[0].track[3], &after = refined.actors[0].track[3];
   const Pose was = log.world_from_rig.at(before.time_s).inverse() * before.world_from_actor;

@@ -1,4 +1,4 @@
-// Derivatives against central differences, and the residuals' poses against host/core/base/pose.hpp.
+// Tests derivatives against central differences, and the residuals' poses against host/core/base/pose.hpp.
 #include "optim/calibration/path/residuals.hpp"
 
 #include <array>
@@ -18,7 +18,7 @@ Pose random_pose(std::mt19937_64& dice, double turn_rad, double reach_m) {
           reach_m * Eigen::Vector3d(in(dice), in(dice), in(dice))};
 }
 
-/// Derivatives along each freedom of the blocks, column after column: poses turn and move on their manifold.
+/// Returns the analytic derivatives by column, for poses on their manifold.
 std::vector<double> stated(const ceres::CostFunction& cost, const std::vector<double*>& blocks) {
   const auto count = static_cast<std::size_t>(cost.num_residuals());
   std::vector<double> residuals(count), out;
@@ -46,7 +46,7 @@ std::vector<double> stated(const ceres::CostFunction& cost, const std::vector<do
   return out;
 }
 
-/// The same by central differences.
+/// Returns the same by central differences.
 std::vector<double> measured(const ceres::CostFunction& cost, const std::vector<double*>& blocks) {
   constexpr double kStep = 1e-6;
   const auto count = static_cast<std::size_t>(cost.num_residuals());
@@ -74,7 +74,8 @@ std::vector<double> measured(const ceres::CostFunction& cost, const std::vector<
   return out;
 }
 
-/// Largest difference of what one states and what is measured of another, over the largest entry.
+/// Returns the largest difference of one function's analytic and another's numeric derivatives, relative to
+/// the largest entry.
 double difference(const ceres::CostFunction& of,
                   const ceres::CostFunction& from,
                   const std::vector<double*>& blocks) {
@@ -95,7 +96,7 @@ class Derivatives : public testing::TestWithParam<int> {
  protected:
   std::mt19937_64 dice_{static_cast<std::uint64_t>(GetParam())};
   Pose start_ = random_pose(dice_, 3.0, 20.0);
-  // Sweeps turn by nothing, by a little, and by a lot.
+  // Rotations during sweeps: none, small, and large.
   Pose end_ = start_ * random_pose(dice_, GetParam() == 0 ? 0.0 : GetParam() * 5.0 * kDegree, 2.0);
   PoseBlock from_{start_};
   PoseBlock to_{end_};
@@ -109,7 +110,7 @@ TEST_P(Derivatives, OfAPointOnAPlane) {
     const PointOnPlane cost(p, u, centre, normal, 0.02);
     EXPECT_LT(difference(cost, cost, blocks_), kDerivative) << u;
   }
-  // A check that can fail: another plane's derivatives are not taken for these.
+  // The check detects derivatives of another plane.
   EXPECT_GT(
       difference(
           PointOnPlane(p, 0.3, centre, normal, 0.0202), PointOnPlane(p, 0.3, centre, normal, 0.02), blocks_),
@@ -154,7 +155,7 @@ TEST_P(Derivatives, OfAPointOnALineInEveryLens) {
                                0.5};
     const ceres::AutoDiffCostFunction<PointOnLine, 1, PoseBlock::kSize, 1> cost(new PointOnLine(residual));
     EXPECT_LT(difference(cost, cost, {mounting.data(), &clock}), kDerivative) << name;
-    // The distance itself, by the road that rendering takes.
+    // The distance, computed as in rendering.
     double value = 0.0;
     ASSERT_TRUE(residual(mounting.data(), &clock, &value));
     EXPECT_NEAR(value, (-0.7 * 0.6 + 0.4 * 0.8) / 0.5, 1e-9) << name;

@@ -1,5 +1,5 @@
 #pragma once
-// The street seen from a rig that brakes, speeds up and turns: what calibration needs to tell things apart.
+// The street from a rig that brakes, accelerates and turns, so that calibration is determined.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,7 +11,7 @@
 
 namespace simuli::test {
 
-/// Speed swings about the mean by `swing` of it, once in 1.6 s; the rig weaves and nods.
+/// The speed varies about the mean by `swing` of it with a period of 1.6 s; the rig yaws and pitches.
 inline Pose drive_pose(double time_s, double speed_m_per_s, double swing) {
   const double w = 2.0 * std::numbers::pi / 1.6;
   const double x = 4.0 + speed_m_per_s * (time_s - swing * (std::cos(w * time_s) - 1.0) / w);
@@ -27,7 +27,7 @@ inline Pose drive_pose(double time_s, double speed_m_per_s, double swing) {
 
 struct StreetDrive {
   Street street{{.car = std::nullopt}};
-  Log log;  // sensors, frames and the true path; nothing on disk
+  Log log;  // sensors, frames and the true trajectory, without files
 
   StreetDrive(int frames, double speed_m_per_s, double swing, int width = 320) {
     StreetOptions options;

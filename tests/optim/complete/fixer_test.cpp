@@ -1,4 +1,4 @@
-// Programs that mend pictures: the protocol, and trainings that learn from them.
+// Tests programs that enhance pictures: the protocol, and trainings with enhanced pictures.
 #include <algorithm>
 #include <chrono>
 #include <csignal>
@@ -114,11 +114,11 @@ TEST(RunFixer, AnInterruptionEndsAllThatItStarted) {
   const Interruption interruption(check);
   const std::string command = "sleep 300 & echo $! > " + told.string() + "; wait;";
   EXPECT_THROW((void)run_fixer(command, two_views(), 0), std::runtime_error);
-  // The sleep has been signalled by now; on a busy machine it dies later.
+  // The sleep has received the signal; on a busy machine it ends later.
   const auto is_gone = [stat = "/proc/" + std::to_string(std::stoi(text())) + "/stat"] {
     std::string state;
     std::ifstream(stat) >> state >> state >> state;
-    return state.empty() || state == "Z" || state == "X";  // none, or not yet waited for
+    return state.empty() || state == "Z" || state == "X";  // ended, or not yet waited for
   };
   constexpr int kMostLooks = 1000;
   for (int i = 0; i < kMostLooks && !is_gone(); ++i)
@@ -129,7 +129,7 @@ TEST(RunFixer, AnInterruptionEndsAllThatItStarted) {
 
 TEST(RunFixer, PicturesOfAnotherSizeAreRefused) {
   std::vector<FixerView> views = two_views();
-  views[1].rendered = Image(8, 5, 3);  // its copy is not of the camera's size
+  views[1].rendered = Image(8, 5, 3);  // its copy has another size than the camera
   expect_error(ErrorKind::kInput, "8 x 5, allowed 8 x 4", [&] { (void)run_fixer(kCopy, views, 0); });
 }
 
@@ -173,7 +173,7 @@ TEST_F(FixerTest, GoesOnFromACheckpointWithTheSameBits) {
   (void)whole->run();
   struct Enough {};
   const auto stop = [](const TrainStatus& status) {
-    if (status.iteration == 8) throw Enough();  // the program was asked once, and will be again
+    if (status.iteration == 8) throw Enough();  // the program was called once, and would be called again
   };
   EXPECT_THROW((void)first->run(stop), Enough);
   first->save(checkpoint, "");

@@ -1,4 +1,5 @@
-// A wall, a car that drives before it, and what training may have left where nobody looked.
+// Tests the inpainting of disocclusions: a wall, a moving car in front of it, and arbitrary trained particles
+// behind the car.
 #include "optim/complete/inpaint_disocclusions.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +18,7 @@ constexpr double kWall_m = 20.0, kCar_m = 10.0, kBlob_m = 15.0;
 const Eigen::Vector3d kOrigin{4096.0, 8192.0, 64.0};
 const Eigen::Vector3d kWallLook{0.3, 0.6, 0.9}, kBlobLook{0.9, 0.1, 0.1}, kCarLook{0.8, 0.8, 0.1};
 
-/// A square of opaque particles that stands across the x axis, `spacing_m` apart.
+/// Returns a square of opaque particles across the x axis, `spacing_m` apart.
 std::vector<test::SingleParticle> square(double x,
                                          double half_m,
                                          double spacing_m,
@@ -34,7 +35,7 @@ std::vector<test::SingleParticle> square(double x,
 
 bool is_hidden(const Eigen::Vector3d& p) { return std::abs(p.y()) < 2.4 && std::abs(p.z()) < 2.4; }
 
-/// The wall is missing where only the car was ever seen, and a blob of another colour hangs there.
+/// Returns the wall with a hole behind the car, in which there is a blob of another colour.
 GaussianSet set_of(SetKind kind) {
   std::vector<test::SingleParticle> all;
   for (const test::SingleParticle& p : square(kWall_m, 9.0, 0.4, kWallLook)) {
@@ -50,7 +51,7 @@ GaussianSet set_of(SetKind kind) {
   return set;
 }
 
-/// The rig stands for half a second, and so does the car.
+/// The rig and the car rest for half a second.
 Log stand() {
   Log log;
   log.name = "stand";
@@ -91,7 +92,7 @@ SceneFile filled() {
   return file;
 }
 
-/// What is straight ahead.
+/// Content straight ahead.
 struct Ahead {
   double range_m, transmittance;
   Eigen::Vector3d look;
@@ -131,7 +132,7 @@ TEST(FillBehindActors, ShowsTheWallWhereTheCarWas) {
     SCOPED_TRACE(sensor.name());
     Scene without = before.scene;
     remove_actor(without, "car");
-    EXPECT_NEAR(ahead(without, sensor).range_m, kBlob_m, 0.5);  // what it was like
+    EXPECT_NEAR(ahead(without, sensor).range_m, kBlob_m, 0.5);  // before inpainting
     EXPECT_NEAR(ahead(after.scene, sensor).range_m, kCar_m, 0.5);
     without = after.scene;
     remove_actor(without, "car");
@@ -151,7 +152,7 @@ TEST(FillBehindActors, RecordedViewsStayAsTheyAre) {
     SceneOnDevice old_one(test::device(), borrowed(before)), new_one(test::device(), borrowed(after));
     const Shot shot = Shot::at(sensor, {Eigen::Quaterniond::Identity(), kOrigin}, 0.2);
     const RayResults a = old_one.render(sensor, shot).results(), b = new_one.render(sensor, shot).results();
-    // But for the order of what is equally far away.
+    // Equal except for the order of particles at equal distances.
     for (std::size_t i = 0; i < a.rays; ++i) {
       ASSERT_NEAR(a.transmittance[i], b.transmittance[i], 1e-3);
       ASSERT_NEAR(a.distance[i], b.distance[i], 5e-3);
@@ -188,7 +189,7 @@ TEST(ActorsBefore, AreTheSameOfEveryRay) {
 }
 
 TEST(SeenWeights, AreThoseOfTheRaysThatAreCounted) {
-  // One opaque particle, twice: before an actor and beside it, as it looks from there.
+  // One opaque particle in two cases: in front of an actor, and beside it in that view.
   GaussianSet one =
       test::set_of(SetKind::kCamera,
                    {{{10.0, 0.0, 0.0}, {0.1, 0.1, 0.1}, Eigen::Quaterniond::Identity(), 0.9, kWallLook}});
@@ -196,7 +197,7 @@ TEST(SeenWeights, AreThoseOfTheRaysThatAreCounted) {
   const std::vector<InpaintView> views =
       inpaint_views(log, {.image_scale = 1.0, .held_out_every = 0}, SetKind::kCamera, 2);
   ASSERT_EQ(views.size(), 2U);
-  EXPECT_DOUBLE_EQ(views[1].shot.time_start_s, 0.2);  // evenly spread
+  EXPECT_DOUBLE_EQ(views[1].shot.time_start_s, 0.2);  // evenly spaced
   const std::size_t rays = views[0].sensor().ray_count();
   const SeenWeights seen = seen_weights(
       test::device(), one, views, {ActorsBefore(std::vector<std::uint32_t>(rays, 1)), {}}, kOrigin, {});

@@ -1,4 +1,4 @@
-// What trainings keep of their frames, and how it estimates errors.
+// Tests the support records of trainings and their error estimates.
 #include "optim/complete/record_support.hpp"
 
 #include <algorithm>
@@ -102,7 +102,7 @@ TEST_F(RecordSupport, IsNotBlamedForATintThatNothingTells) {
   const double blamed = right(support, Tint::kKnown);
   EXPECT_LT(blamed, 0.3);
   EXPECT_GT(right(support, Tint::kUnknown), 0.7);
-  // Where no pixel is supported nothing tells the tint.
+  // Without supported pixels the tint is unknown.
   const auto of_others = std::make_shared<SupportRecord>(*file.support);
   for (SupportView& view : of_others->views) view.world_from_view.translation.x() += 1000.0;
   SupportOnDevice none(test::device(), of_others);

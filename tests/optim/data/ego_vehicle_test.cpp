@@ -32,7 +32,7 @@ Lidar three_rows() {
 /// Whether (row, column) of sweep `index` returns.
 using Returns = std::function<bool(int index, int row, int column)>;
 
-/// From where, m.
+/// Range of the ray in m.
 using Ranges = std::function<double(int index, int row, int column)>;
 
 Log log_of(
@@ -66,8 +66,8 @@ Log log_of(
   return log;
 }
 
-/// The bonnet hides columns 5 to 12 of the lowest row; the sky is empty; two cells are dark by chance;
-/// held-out sweeps, every fifth, see it all.
+/// The bonnet hides columns 5 to 12 of the lowest row; the sky has no returns; two cells have none by chance;
+/// held-out sweeps, every fifth, have all returns.
 bool bonnet(int index, int row, int column) {
   if (index % 5 == 4) return true;
   if (row == 0) return false;
@@ -97,11 +97,11 @@ TEST(OwnVehicle, IsWhatStaysInItsPlaceNearAndHigh) {
   const Scratch folder;
   const auto roof = [](int index, int row, int column) {
     const bool hits = row == 2 && column >= 5 && column <= 12;
-    // At its end every second beam passes it.
+    // At its end every second beam passes the roof.
     const bool passes = column == 12 && index % 2 == 0;
     return hits && !passes ? 1.0 + 0.02 * (index % 3) : 1.8 / std::sin(row == 2 ? 0.4 : 0.2);
   };
-  const Log log = log_of(folder, 20, 1.0, everywhere, roof);  // 2 m are enough
+  const Log log = log_of(folder, 20, 1.0, everywhere, roof);  // 2 m suffice
   const auto found = find_blind_arcs(log, {});
   ASSERT_EQ(found[0].size(), 1U);
   EXPECT_EQ(found[0][0].row, 2);

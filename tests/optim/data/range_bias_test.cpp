@@ -1,4 +1,4 @@
-// Range biases put into the sweeps of a street whose truth is known.
+// Tests the estimation of known range biases in sweeps of a street.
 #include "optim/data/range_bias.hpp"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ class RangeBiases : public testing::Test {
     options.moving_car = false;
     return synth_street(options);
   }
-  /// Row r records by this much too far.
+  /// Bias of beam r in m.
   static double bias_m(std::size_t row) { return 0.04 * std::sin(1.7 * static_cast<double>(row)); }
   static void add_biases(const Log& log) {
     const Lidar& lidar = log.lidars[0].with_rows();
@@ -62,13 +62,14 @@ TEST_F(RangeBiases, AreFoundUpToTheirMedian) {
       EXPECT_EQ(found[row].bias_m, 0.0);
       continue;
     }
-    // Rows that see tops of houses only are told less well, and say so; the topmost has no neighbours above.
+    // Beams that only measure house tops are less accurate, with larger standard deviations; the topmost has
+    // no neighbour above.
     const double rim_m = row == 0 ? 0.01 : 0.0;
     EXPECT_NEAR(found[row].bias_m, bias_m(row) - middle, 0.004 + rim_m + 6.0 * found[row].sigma_m) << row;
     sharp += found[row].sigma_m < 0.0015 ? 1U : 0U;
   }
   EXPECT_GE(sharp, rows / 2);
-  // What a log is given stays: nothing is found twice.
+  // Existing calibrations are kept: no bias is estimated twice.
   const Log corrected = with_range_bias(log, {});
   const auto counted = [](const LidarRow& row) { return row.range_bias != 0.0; };
   const std::vector<LidarRow>& corrected_rows = corrected.lidars[0].with_rows().rows;
@@ -92,7 +93,7 @@ TEST_F(RangeBiases, AreNotSeenWhereThereAreNone) {
 TEST_F(RangeBiases, NeedEightSweeps) {
   const Scratch folder;
   Log log = street(folder);
-  log.sweeps.resize(8);  // two of them held out
+  log.sweeps.resize(8);  // two of them are held out
   EXPECT_TRUE(find_range_bias(log, log.lidars[0], {}).empty());
   EXPECT_EQ(with_range_bias(log, {}).lidars[0].with_rows().rows[0].range_bias, 0.0);
 }

@@ -26,7 +26,7 @@ Lidar one_row() {
   return lidar;
 }
 
-/// Ten sweeps of `range(sweep, column)`.
+/// Returns ten sweeps of `range(sweep, column)`.
 Log log_of(const Scratch& folder, const std::function<double(int, int)>& range) {
   Log log;
   log.folder = folder.path();
@@ -46,7 +46,7 @@ Log log_of(const Scratch& folder, const std::function<double(int, int)>& range) 
 
 TEST(RangeLimit, IsWhereReturnsEndAtOnce) {
   const Scratch folder;
-  // 0.1 m apart up to 79.93 m; a held-out sweep reaches farther.
+  // 0.1 m apart up to 79.93 m; a held-out sweep has longer ranges.
   const Log log = log_of(folder, [](int sweep, int column) {
     return sweep == 4 ? 95.0 : std::fmod(0.1 * column, 79.93) + 0.01 * sweep;
   });

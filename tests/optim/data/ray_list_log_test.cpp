@@ -1,4 +1,4 @@
-// A log whose LiDAR has no rows: written, read, made a scene of, trained and compared like any other.
+// Tests a log with a ray list: written, read, initialised, trained and evaluated.
 #include <cmath>
 #include <filesystem>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace simuli {
 namespace {
 
-/// The rays of the street's LiDAR ahead of the vehicle, in an order of their own.
+/// Returns the rays of the street's LiDAR ahead of the vehicle, in another order.
 RayList ahead_of(const Lidar& lidar) {
   RayList list;
   list.name = "ahead";
@@ -21,7 +21,7 @@ RayList ahead_of(const Lidar& lidar) {
   list.range_max = lidar.range_max;
   const LidarRays rays = nominal_rays(lidar);
   for (std::size_t k = 0; k < rays.azimuth.size(); ++k) {
-    const std::size_t i = k * 7 % rays.azimuth.size();  // 7 divides no such grid: every ray once
+    const std::size_t i = k * 7 % rays.azimuth.size();  // 7 divides no such grid: a permutation
     if (std::abs(rays.azimuth[i]) > 1.2F) continue;
     list.azimuth.push_back(rays.azimuth[i]);
     list.elevation.push_back(rays.elevation[i]);
@@ -34,7 +34,7 @@ RayList ahead_of(const Lidar& lidar) {
 
 class RayListLog : public test::SmallStreet {
  protected:
-  /// The street's log, its LiDAR's sweeps scanned again by the list.
+  /// Returns the street's log with sweeps of the ray list.
   static Log listed() {
     Log log = log_;
     log.images.clear();

@@ -15,8 +15,8 @@ namespace row_offsets_test {
 constexpr std::size_t kRows = 5;
 constexpr std::size_t kColumns = 400;
 
-/// All rays end 10 m away, half of them show it with half their light; row r states 1 cm times r more, with
-/// 2 cm of noise to both sides.
+/// All rays end 10 m away, half of them with half the opacity; beam r measures r x 1 cm more, with 2 cm of
+/// noise.
 void fill(Sweep& sweep, RayResults& seen) {
   sweep.range.resize(kRows * kColumns);
   sweep.rays.azimuth.resize(kRows * kColumns);
@@ -37,7 +37,7 @@ TEST(RowOffsets, AreMediansLessTheirOwnMedian) {
   RayResults seen;
   fill(sweep, seen);
   for (std::size_t c = 0; c < kColumns; ++c) {
-    if (c % 3 == 0) sweep.range[c] = 30.0F;            // something else: not of this surface
+    if (c % 3 == 0) sweep.range[c] = 30.0F;            // another surface
     if (c % 3 == 1) sweep.range[kColumns + c] = 0.0F;  // no return
   }
   RowOffsets offsets(kRows);
@@ -59,7 +59,7 @@ TEST(RowOffsets, OfOneSideAloneAreTheStreets) {
   RowOffsets offsets(kRows);
   offsets.add(sweep, seen);
   EXPECT_NEAR(offsets.offsets()[4], -0.02 * (1.0 - 0.0146 * 0.0146 / (0.02 * 0.02)), 1e-3);
-  EXPECT_NEAR(offsets.offsets()[0], -0.01, 1e-3);  // 1 cm below the others' middle
+  EXPECT_NEAR(offsets.offsets()[0], -0.01, 1e-3);  // 1 cm below the median of the others
 }
 
 TEST(RowOffsets, AreNothingForRowsThatTellTooLittle) {
@@ -80,13 +80,13 @@ TEST(RowOffsets, AreNothingForRowsThatTellTooLittle) {
 using TrainedRanges = test::SmallStreet;
 
 TEST_F(TrainedRanges, WrongOnesOfRowsAreTakenBack) {
-  Log log = log_;  // says of every other row that it states 6 cm too much: none does
+  Log log = log_;  // with a false bias of 6 cm for every other beam
   Lidar& lidar = std::get<Lidar>(log.lidars[0].model);
   for (std::size_t row = 0; row < lidar.rows.size(); row += 2) lidar.rows[row].range_bias = 0.06;
-  const auto spread_m = [](const LidarModel& model) {  // of neighbouring rows
+  const auto spread_m = [](const LidarModel& model) {  // of neighbouring beams
     const std::vector<LidarRow>& rows = std::get<Lidar>(model).rows;
     double sum = 0.0;
-    for (std::size_t row = 12; row + 1 < rows.size(); ++row) {  // those that see the road
+    for (std::size_t row = 12; row + 1 < rows.size(); ++row) {  // beams on the road
       sum += std::abs(rows[row].range_bias - rows[row + 1].range_bias);
     }
     return sum / static_cast<double>(rows.size() - 13);

@@ -27,7 +27,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class EvaluationTest : public test::SmallStreet {
  protected:
-  /// The street's log with frame 4 replaced by what `scene` shows there.
+  /// Returns the street's log with frame 4 replaced by a render of `scene`.
   static Log log_of(const Scene& scene, const std::string& name) {
     Log log = log_;
     log.folder = folder_ / name;
@@ -55,7 +55,7 @@ TEST_F(EvaluationTest, SceneAgreesWithALogMadeOfIt) {
   const EvalReport r = compare(log, scene, kFull);
   EXPECT_EQ(r.images, 1U);
   EXPECT_EQ(r.sweeps, 1U);
-  // Pictures are stored in 8 bits: rounding of +-1/510 alone is 59 dB.
+  // Pictures have 8 bits: rounding of +-1/510 gives 59 dB.
   EXPECT_GT(r.psnr_db, 55.0);
   EXPECT_GT(r.ssim, 0.99);
   EXPECT_EQ(r.lidar.distance_median_m, 0.0);  // sweeps are stored in float
@@ -64,7 +64,7 @@ TEST_F(EvaluationTest, SceneAgreesWithALogMadeOfIt) {
   EXPECT_EQ(r.lidar.intensity_rmse, 0.0);
   EXPECT_EQ(r.lidar.raydrop_accuracy, 1.0);
   EXPECT_EQ(r.lidar.chamfer_m, 0.0);
-  EXPECT_LT(r.distance_expected_median_m, 0.05);  // the mean, but where rays meet several surfaces
+  EXPECT_LT(r.distance_expected_median_m, 0.05);  // equals the mean, except for rays on several surfaces
   EXPECT_GT(r.camera_mp_per_s, 0.0);
   EXPECT_GT(r.lidar_mr_per_s, 0.0);
   EXPECT_EQ(r.image_width, 64);
@@ -79,7 +79,7 @@ TEST_F(EvaluationTest, ShiftedSceneIsOffByTheShift) {
   const EvalReport r = compare(log, nearer, kFull);
   EXPECT_GT(r.lidar.distance_median_m, 0.001);
   EXPECT_LT(r.lidar.distance_median_m, 0.5);
-  // Of an even number the median is the mean of two, which squares don't share.
+  // For an even number the median is the mean of two, which differs for squares.
   EXPECT_NEAR(std::sqrt(r.lidar.medl2_m2), r.lidar.distance_median_m, 1e-5);
 }
 
@@ -114,7 +114,7 @@ TEST_F(EvaluationTest, NothingHeldOutOrBadOptionsAreRefused) {
   EXPECT_THROW((void)compare(log_, initial_scene(), options), Error);
 }
 
-/// The scene as if it had been trained on `log` with `frames`.
+/// Returns the scene with the record of a training on `log` with `frames`.
 SceneFile trained_on(const Log& log, Scene scene, const FrameSelection& frames) {
   SceneFile file = test::file_of(log, std::move(scene));
   file.training = TrainingRecord{.log_name = log.name, .log_hash = log_hash(log), .frames = frames};
@@ -147,8 +147,8 @@ TEST_F(EvaluationTest, NothingIsCalledHeldOutThatWasTrainedOn) {
   EXPECT_EQ(kind(5, 0).kind, FrameKind::kMixed);
   EXPECT_EQ(kind(5, 0).label(), "all frames, some of which were trained on");
   EXPECT_EQ(kind(5, 2).kind, FrameKind::kTraining);  // 1, 3, 5
-  EXPECT_EQ(kind(3, 2).kind, FrameKind::kMixed);     // 5 of them is the third's, too
-  EXPECT_EQ(kind(2, 6).kind, FrameKind::kHeldOut);   // of every second, every third
+  EXPECT_EQ(kind(3, 2).kind, FrameKind::kMixed);     // frame 5 is also one of every third
+  EXPECT_EQ(kind(2, 6).kind, FrameKind::kHeldOut);   // every third is one of every second
 }
 
 TEST_F(EvaluationTest, AnotherLogHasNoHeldOutFrames) {
@@ -163,20 +163,20 @@ TEST_F(EvaluationTest, AnotherLogHasNoHeldOutFrames) {
   EXPECT_EQ(some.kind, FrameKind::kOtherLog);
   EXPECT_EQ(some.label(), "every 5. frame of a log that was not trained on");
   EXPECT_EQ(some.images.size(), 1U);
-  // A scene that doesn't say is not trusted, either.
+  // A scene without a record is not trusted.
   const EvalFrames unknown = select_eval_frames(log_, test::file_of(log_, initial_scene()));
   EXPECT_EQ(unknown.kind, FrameKind::kUnknown);
   EXPECT_EQ(unknown.label().find("held"), std::string::npos);
 }
 
-TEST_F(EvaluationTest, TheEndOfThePathIsToldApart) {
-  // Six frames along an even path, the pictures in the middle of the sweeps: the last third is two frames.
+TEST_F(EvaluationTest, TheEndOfTheTrajectoryIsSeparate) {
+  // Six evenly spaced frames with pictures in the middle of sweeps: the last third has two frames.
   const SceneFile scene = trained_on(log_, initial_scene(), {.held_out_every = 3, .held_out_last = 0.3});
   const EvalFrames frames = select_eval_frames(log_, scene);
   EXPECT_EQ(frames.images, (std::vector<std::size_t>{2, 4, 5}));
   EXPECT_EQ(frames.kind, FrameKind::kHeldOut);
   EXPECT_EQ(frames.image_uses[2], FrameUse::kBetween);
-  EXPECT_EQ(frames.image_uses[5], FrameUse::kBeyond);  // every third's, too, but behind the cut
+  EXPECT_EQ(frames.image_uses[5], FrameUse::kBeyond);  // also one of every third, but beyond the cut
   const EvalReport r = Evaluation(test::device(), scene, log_).run();
   ASSERT_TRUE(r.between && r.beyond);
   EXPECT_EQ(r.images, 3U);
@@ -184,7 +184,7 @@ TEST_F(EvaluationTest, TheEndOfThePathIsToldApart) {
   EXPECT_EQ(r.beyond->images, 2U);
   EXPECT_NEAR(r.psnr_db, (r.between->psnr_db + 2.0 * r.beyond->psnr_db) / 3.0, 1e-9);
   EXPECT_EQ(r.sweeps, r.between->sweeps + r.beyond->sweeps);
-  // One asked for alone is all that is compared, and still what it was to the training.
+  // A single requested part is the only compared part, with its relation to the training.
   const EvalFrames end = select_eval_frames(log_, scene, {.held_out_last = 0.3});
   EXPECT_EQ(end.images, (std::vector<std::size_t>{4, 5}));
   EXPECT_EQ(end.label(), "held-out frames at the end of the path");
@@ -195,8 +195,8 @@ TEST_F(EvaluationTest, TheEndOfThePathIsToldApart) {
   EXPECT_EQ(select_eval_frames(log_, scene, {.held_out_every = 0}).images.size(), 6U);
 }
 
-TEST_F(EvaluationTest, TheMiddleOfThePathIsToldApart) {
-  // Of six frames along an even path the middle third is 2 and 3.
+TEST_F(EvaluationTest, TheMiddleOfTheTrajectoryIsSeparate) {
+  // The middle third of six evenly spaced frames is 2 and 3.
   const SceneFile scene = trained_on(log_, initial_scene(), {.held_out_every = 5, .held_out_middle = 0.3});
   const EvalFrames frames = select_eval_frames(log_, scene);
   EXPECT_EQ(frames.images, (std::vector<std::size_t>{2, 3, 4}));
@@ -209,13 +209,13 @@ TEST_F(EvaluationTest, TheMiddleOfThePathIsToldApart) {
   const EvalFrames middle = select_eval_frames(log_, scene, {.held_out_middle = 0.3});
   EXPECT_EQ(middle.images, (std::vector<std::size_t>{2, 3}));
   EXPECT_EQ(middle.label(), "held-out frames in the middle of the path");
-  // Both chunks and no frame between: two parts, and the label names both.
+  // Middle and end without frames between: two parts, and the label contains both.
   const SceneFile both =
       trained_on(log_, initial_scene(), {.held_out_every = 0, .held_out_middle = 0.3, .held_out_last = 0.1});
   const EvalReport parts = Evaluation(test::device(), both, log_).run();
   EXPECT_TRUE(!parts.between && parts.middle && parts.beyond);
   EXPECT_EQ(parts.frames.label(), "held-out frames in the middle and at the end of the path");
-  // What the middle of another path holds is mixed with what this training read.
+  // The middle of another selection also contains training frames.
   EXPECT_EQ(select_eval_frames(log_, scene, {.held_out_middle = 0.6}).kind, FrameKind::kMixed);
 }
 
@@ -234,11 +234,11 @@ TEST_F(EvaluationTest, RangesShareOutAllReturns) {
   EXPECT_GT(r.ranges[1].returns, 0U);
   EXPECT_GT(r.ranges[0].pixels, 0U);
   EXPECT_TRUE(std::isfinite(r.ranges[0].psnr_db));
-  EXPECT_TRUE(r.kinds.empty());  // nothing moves
+  EXPECT_TRUE(r.kinds.empty());  // no moving actors
 }
 
 TEST_F(EvaluationTest, ErrorsStandAtTheirOwnRange) {
-  // A log that agrees with the scene, but for returns beyond 20 m: they are 1 m short.
+  // A log that equals the scene, except for returns beyond 20 m, which are 1 m too short.
   const Scene scene = initial_scene();
   Log log = log_of(scene, "ranges.log");
   const std::filesystem::path file = log.folder / log.sweeps[4].file;
@@ -266,11 +266,11 @@ TEST_F(EvaluationTest, RaysThatAreNeverFiredCountForNothing) {
   }
   write_sweep(file, sweep);
   log.lidars[0].model = half;
-  EXPECT_NEAR(compare(log, scene, kFull).lidar.raydrop_trivial, whole, 0.02);  // else half of it
+  EXPECT_NEAR(compare(log, scene, kFull).lidar.raydrop_trivial, whole, 0.02);  // otherwise half of it
 }
 
 TEST_F(EvaluationTest, KindsPartActorsFromTheBackground) {
-  // Boxes that drive beside each other, a wide one and a narrow one within it that is nearer.
+  // Two adjacent moving boxes, the narrow one nearer and within the wide one.
   Log log = log_;
   const auto add = [&](const char* name, const char* kind, double x_m, double side_m) {
     Actor actor{name, kind, Eigen::Vector3d(4.0, side_m, 4.0), {}};
@@ -296,7 +296,7 @@ TEST_F(EvaluationTest, KindsPartActorsFromTheBackground) {
   for (const RangeScores& range : r.ranges) in_ranges += range.returns;
   EXPECT_EQ(returns, in_ranges);
   EXPECT_TRUE(std::isfinite(r.kinds[2].psnr_db));
-  // The squares of the kinds are those of the picture.
+  // The kinds sum to the squared error of the picture.
   const auto square = [](const KindScores& k) {
     return static_cast<double>(k.pixels) * std::pow(10.0, -0.1 * k.psnr_db);
   };
@@ -307,7 +307,7 @@ TEST_F(EvaluationTest, KindsPartActorsFromTheBackground) {
 TEST_F(EvaluationTest, SensorsAreWhereTheSceneHasThem) {
   const SceneFile scene = test::file_of(log_, initial_scene());
   const EvalReport expected = Evaluation(test::device(), scene, log_, kFull).run();
-  Log wrong = log_;  // training has learned better
+  Log wrong = log_;  // the training refines this pose
   wrong.cameras[0].rig_from_camera.translation.y() += 0.2;
   wrong.lidars[0].rig_from_lidar.translation.z() += 0.2;
   const EvalReport found = Evaluation(test::device(), scene, wrong, kFull).run();
@@ -326,18 +326,19 @@ TEST_F(EvaluationTest, TheOwnVehicleIsNotCompared) {
   };
   Lidar& lidar = std::get<Lidar>(scene.lidars[0].model);
   const double turn = 2.0 * std::numbers::pi;
-  const int last = static_cast<int>(lidar.rows.size()) - 1;  // sees the ground, all around
+  const int last = static_cast<int>(lidar.rows.size()) - 1;  // measures the ground all around
   lidar.blind.push_back({last, 0.0, turn});
-  const EvalReport dark = Evaluation(test::device(), scene, log_, kFull).run();  // nothing returns, it says
+  // marked as blind in all directions
+  const EvalReport dark = Evaluation(test::device(), scene, log_, kFull).run();
   EXPECT_EQ(dark.share_own, 0.0);
-  EXPECT_NE(dark.lidar.raydrop_accuracy, whole.lidar.raydrop_accuracy);  // it is asked
+  EXPECT_NE(dark.lidar.raydrop_accuracy, whole.lidar.raydrop_accuracy);  // the blind arcs have an effect
   lidar.blind[0].own_returns = true;
   Evaluation blind(test::device(), scene, log_, kFull);
   const EvalReport report = blind.run();
   EXPECT_NEAR(report.share_own, 1.0 / static_cast<double>(lidar.rows.size()), 1e-12);
   EXPECT_LE(returns_of(report), returns_of(whole) - static_cast<std::size_t>(lidar.columns) / 2);
   EXPECT_NEAR(report.lidar.raydrop_accuracy, whole.lidar.raydrop_accuracy, 0.1);
-  // Nor does a reader of the log as the scene knows it see them.
+  // The log read with the scene's calibration also omits them.
   const LidarPair pair = blind.sweep(4);
   for (std::size_t i = pair.recorded.range.size() - static_cast<std::size_t>(lidar.columns);
        i < pair.recorded.range.size();
@@ -372,7 +373,7 @@ TEST_F(EvaluationTest, LabelsThatTrainingLeftOutAreNotScored) {
   log.actors = {wide};
   SceneFile scene = trained_on(log, initial_scene(), {.held_out_every = 3});
   const auto report = [&] { return Evaluation(test::device(), scene, log, kFull).run(); };
-  EXPECT_GT(report().actor_pixels, 0U);  // of a scene from which it was removed
+  EXPECT_GT(report().actor_pixels, 0U);  // also for a scene without the actor
   scene.training->labels_left_out = {"wide"};
   const EvalReport left_out = report();
   EXPECT_EQ(left_out.actor_pixels, 0U);
@@ -388,9 +389,10 @@ TEST_F(EvaluationTest, RangeBiasesOfTheSceneCorrectRangesAndAreStatedAgain) {
   for (LidarRow& row : std::get<Lidar>(scene.lidars[0].model).rows) row.range_bias = kBias_m;
   Evaluation biased(test::device(), scene, log_, kFull);
   const LidarPair pair = biased.sweep(4);
-  EXPECT_NEAR(biased.run().lidar.distance_median_m, kBias_m, 0.1);  // sweeps read too long, which they aren't
+  // the scene assumes a bias that the sweeps do not have
+  EXPECT_NEAR(biased.run().lidar.distance_median_m, kBias_m, 0.1);
   for (std::size_t i = 0; i < pair.recorded.range.size(); ++i) {
-    ASSERT_NEAR(pair.recorded.range[i], plain.recorded.range[i], 1e-5) << i;  // as the file has it
+    ASSERT_NEAR(pair.recorded.range[i], plain.recorded.range[i], 1e-5) << i;  // as in the file
     if (pair.rendered.is_return(i) && plain.rendered.is_return(i)) {
       ASSERT_NEAR(pair.rendered.range[i], plain.rendered.range[i] + kBias_m, 1e-4) << i;
     }

@@ -32,7 +32,7 @@ Image constant(int side, float value) {
   return image;
 }
 
-/// SSIM from its definition: the full 2D window and central moments, pixel by pixel.
+/// Returns SSIM from its definition: the full 2D window and central moments, pixel by pixel.
 double ssim_by_definition(const Image& a, const Image& b) {
   double total = 0.0;
   int count = 0;
@@ -86,7 +86,7 @@ TEST(Ssim, LeavesOutWindowsWithWhatIsNotKnown) {
   EXPECT_NEAR(ssim(a, b), ssim(known_a, known_b), kDouble);
   for (int c = 0; c < 3; ++c) b.data[3 * (10 * 30 + 15) + static_cast<std::size_t>(c)] = -1.0F;
   EXPECT_NE(ssim(a, b), ssim(known_a, known_b));
-  EXPECT_TRUE(std::isfinite(ssim(a, b)));  // windows beside it are left
+  EXPECT_TRUE(std::isfinite(ssim(a, b)));  // neighbouring windows remain
 }
 
 TEST(Psnr, IsTwentyDbAtAnErrorOfATenth) {
@@ -96,7 +96,7 @@ TEST(Psnr, IsTwentyDbAtAnErrorOfATenth) {
 TEST(Psnr, AveragesSquaresOverAllValues) {
   Image rendered(2, 1, 3);
   Image truth(2, 1, 3);
-  rendered.at(1, 0, 2) = 0.5F;  // one value of six is off by a half
+  rendered.at(1, 0, 2) = 0.5F;  // one value of six has an error of one half
   EXPECT_NEAR(psnr_db(rendered, truth), 10.0 * std::log10(6.0 / 0.25), kDouble * 100);
 }
 
@@ -117,7 +117,7 @@ Image picture(const At& at) {
   return image;
 }
 
-// Values of its authors' program (flip-evaluator 1.7) of the same pictures.
+// Values of the authors' program (flip-evaluator 1.7) for the same pictures.
 TEST(Flip, IsThatOfItsAuthors) {
   const auto wave = [](int x, int y, int k) { return 0.5 + 0.4 * std::sin(0.37 * x + 0.11 * (k + 1) * y); };
   const auto disc = [](int x, int y, int k) {
@@ -144,7 +144,7 @@ TEST(Flip, LeavesOutWhatIsNotKnown) {
   const double whole = flip(rendered, truth);
   std::fill_n(truth.data.begin(), 30 * 48 * 3, -1.0F);
   EXPECT_GT(whole, 0.1);
-  EXPECT_LT(flip(rendered, truth), 1e-6);  // what is left is alike, and what is beside it is not looked at
+  EXPECT_LT(flip(rendered, truth), 1e-6);  // the known part is equal, and the unknown part is ignored
   std::fill(truth.data.begin(), truth.data.end(), -1.0F);
   EXPECT_TRUE(std::isnan(flip(rendered, truth)));
   EXPECT_TRUE(std::isnan(flip(constant(12, 0.5F), constant(12, 0.5F))));
@@ -165,7 +165,7 @@ TEST(PsnrCorrected, SeesNoTint) {
   EXPECT_GT(psnr_corrected_db(tinted, truth), 100.0);
   EXPECT_GT(psnr_corrected_db(noisy, truth), psnr_db(noisy, truth) + 10.0);
   EXPECT_LT(psnr_corrected_db(noisy, truth), 40.0);  // noise is no tint
-  EXPECT_LT(psnr_corrected_db(other, truth), 12.0);  // no transform of one makes the other
+  EXPECT_LT(psnr_corrected_db(other, truth), 12.0);  // no transform maps one to the other
 }
 
 TEST(ColourCorrected, FollowsAToneCurveWhereAsked) {
@@ -179,7 +179,7 @@ TEST(ColourCorrected, FollowsAToneCurveWhereAsked) {
 TEST(PsnrCorrected, IsNeverBelowThePlainOne) {
   const Image truth = noise(16, 12, 3, 7);
   EXPECT_TRUE(std::isinf(psnr_corrected_db(truth, truth)));
-  const Image grey = constant(12, 0.5F);  // many transforms are as near
+  const Image grey = constant(12, 0.5F);  // many transforms are equally close
   EXPECT_TRUE(std::isinf(psnr_corrected_db(grey, grey)));
   EXPECT_GT(psnr_corrected_db(grey, constant(12, 0.25F)), 100.0);
 }
@@ -260,8 +260,8 @@ SweepComparison sweep_of(std::size_t rays) {
 }
 
 TEST(SweepMetricsTest, MatchHandComputation) {
-  // Four parallel rays 100 m apart, so that each point's neighbour is the one on its own ray where there
-  // is one. Ray 3 returned nothing and is said to return nothing; ray 2 is wrongly said to drop.
+  // Four parallel rays 100 m apart, so that each point's neighbour is on its own ray if there is one. Ray 3
+  // has no return and is predicted to drop; ray 2 is wrongly predicted to drop.
   SweepComparison sweep = sweep_of(4);
   sweep.range = {10.5F, 19.0F, 42.0F, 7.0F};
   sweep.truth_range = {10.0F, 20.0F, 40.0F, 0.0F};
@@ -278,14 +278,14 @@ TEST(SweepMetricsTest, MatchHandComputation) {
   EXPECT_NEAR(metrics.raydrop_trivial, 0.75, kDouble);
   EXPECT_NEAR(metrics.drop_recall, 1.0, kDouble);
   EXPECT_NEAR(metrics.drop_precision, 0.5, kDouble);
-  // G = (10,0) (20,100) (40,200), P = (10.5,0) (19,100); the third true point is nearest to (19,100).
+  // G = (10,0) (20,100) (40,200), P = (10.5,0) (19,100); (19,100) is nearest to the third true point.
   const double lost_squared = 21.0 * 21.0 + 100.0 * 100.0;
   EXPECT_NEAR(metrics.chamfer_m2, (0.25 + 1.0 + 0.25 + 1.0 + lost_squared) / 3, kDouble * lost_squared);
   EXPECT_NEAR(metrics.chamfer_m, 0.5 * (1.5 / 2 + (1.5 + std::sqrt(lost_squared)) / 3), kDouble * 100);
 }
 
 TEST(SweepMetricsTest, DropsAreCountedBothWays) {
-  // Of 10 rays 5 drop, of which 2 are found; 3 are said to drop.
+  // Of 10 rays 5 drop, 2 of them are predicted; 3 are predicted to drop.
   SweepComparison sweep = sweep_of(10);
   sweep.range.assign(10, 5.0F);
   for (std::size_t i = 5; i < 10; ++i) sweep.truth_range[i] = 5.0F;
@@ -301,11 +301,11 @@ TEST(SweepMetricsTest, SharesOfNoDropsAreUndefined) {
   SweepComparison sweep = sweep_of(2);
   sweep.range = sweep.truth_range = {5.0F, 6.0F};
   EXPECT_TRUE(std::isnan(compare_sweep(sweep).drop_recall));     // none dropped
-  EXPECT_TRUE(std::isnan(compare_sweep(sweep).drop_precision));  // none is said to
+  EXPECT_TRUE(std::isnan(compare_sweep(sweep).drop_precision));  // none is predicted
   EXPECT_EQ(compare_sweep(sweep).raydrop_trivial, 1.0);
   sweep.drop = {0.9F, 0.0F};
   EXPECT_TRUE(std::isnan(compare_sweep(sweep).drop_recall));
-  EXPECT_EQ(compare_sweep(sweep).drop_precision, 0.0);  // one is, and it is wrong
+  EXPECT_EQ(compare_sweep(sweep).drop_precision, 0.0);  // one is predicted wrongly
   EXPECT_EQ(compare_sweep(sweep).raydrop_accuracy, 0.5);
 }
 
@@ -356,7 +356,7 @@ TEST(SweepMetricsTest, ChamferAgreesWithBruteForce) {
 }
 
 TEST(SweepMetricsTest, CoincidentPointsHaveDistanceZero) {
-  SweepComparison sweep = sweep_of(64);  // more equal points than a leaf of the tree holds
+  SweepComparison sweep = sweep_of(64);  // more equal points than the capacity of a tree leaf
   sweep.range.assign(64, 5.0F);
   sweep.truth_range.assign(64, 5.0F);
   const SweepMetrics metrics = compare_sweep(sweep);

@@ -1,4 +1,4 @@
-// Actors in initialisation, training and evaluation, on a small street with its moving car.
+// Tests actors in initialisation, training and evaluation, on a small street with a moving car.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -41,7 +41,7 @@ TEST_F(StreetWithCar, ParticlesOfTheCarAreInItsFrame) {
     }
     EXPECT_GT(of_car, 100U);
   }
-  // The background has nothing where the car was half-way, but what is on the road below it.
+  // The background has only road points at the middle position of the car.
   const Pose world_from_car = start.scene.actors[0].at(0.5);
   const GaussianSet& lidar = start.scene.lidar;
   for (Eigen::Index i = 0; i < lidar.size(); ++i) {
@@ -66,7 +66,7 @@ TEST_F(StreetWithCar, PicturesFillTheGlassThatNoLaserReturnsFrom) {
     }
     return out;
   };
-  // Far from any return, within the body: the windows.
+  // Points of the body far from any return: the windows.
   const std::vector<Vector3d> returns = of_car(scene.lidar);
   std::size_t alone = 0;
   for (const Vector3d& p : of_car(scene.camera)) {
@@ -77,7 +77,7 @@ TEST_F(StreetWithCar, PicturesFillTheGlassThatNoLaserReturnsFrom) {
     EXPECT_TRUE((p.array().abs() <= 0.5 * scene.actors[0].size_m.array() + 1e-5).all()) << p.transpose();
   }
   EXPECT_GT(alone, 10U);
-  // What pictures show of the car is no background: nothing of it stands along its way.
+  // Pixels of the car create no background along its track.
   for (Eigen::Index i = 0; i < scene.camera.size(); ++i) {
     if (scene.camera.actor[static_cast<std::size_t>(i)] != 0) continue;
     const Vector3d p = scene.camera.mean().row(i).transpose().cast<double>() + scene.origin;
@@ -96,10 +96,10 @@ TEST(ActorPoints, HideWhatIsBehindTheirBoxes) {
   points.finish(none);
   PointSet background;
   background.position.resize(3, 6);
-  // Before it, behind it, above, beside, behind the eye; and inside, where the ground below may be.
+  // Ahead, behind, above, beside, behind the camera; and inside, where ground may be.
   background.position << 8, 15, 15, 15, -15, 10, 0, 0, 0, 6, 0, 0, 0, 0, 4, 0, 0, 0;
   background.intensity.assign(6, 0.0F);
-  // A picture to the front, and one to the side that sees the car as little as what is behind it.
+  // A picture ahead, and one to the side that contains neither the car nor the points behind it.
   const Camera camera{"", 64, 64, 32.0, 32.0, 32.0, 32.0};
   const auto view = [&camera](const Vector3d& forward) {
     Eigen::Matrix3d axes;
@@ -114,7 +114,7 @@ TEST(ActorPoints, HideWhatIsBehindTheirBoxes) {
 }
 
 TEST(ActorPoints, TakeReturnsWhereTheyAreMeanwhile) {
-  // Round a corner: 10 m forwards, then 10 m to the left.
+  // Around a corner: 10 m ahead, then 10 m to the left.
   Actor actor;
   actor.name = "car";
   actor.size_m = {4.0, 2.0, 1.5};
@@ -225,7 +225,7 @@ TEST_F(StreetWithCar, DensifiedSetsStayWithTheirActorsAndResume) {
     }
   }
   Trainer resumed(device, log_, start, options);
-  resumed.step();  // what it did before does not matter
+  resumed.step();  // earlier steps have no effect
   resumed.resume(folder_ / "densified.checkpoint", "");
   (void)resumed.run();
   const Scene again = resumed.scene();
@@ -253,7 +253,7 @@ TEST_F(StreetWithCar, WhatIsNotANumberLeavesTheOthersWithTheirActor) {
 }
 
 TEST(ActorTracks, AreWonBackFromReturns) {
-  // A box with a lower front that drives by; returns from three faces, at times between the key poses.
+  // A box with a lower front passes; returns from three faces, at times between the key poses.
   Actor truth;
   truth.name = "car";
   truth.size_m = {4.0, 1.8, 1.5};
@@ -281,7 +281,7 @@ TEST(ActorTracks, AreWonBackFromReturns) {
         Eigen::AngleAxisd(2.0 * M_PI / 180.0 * random.normal(), Vector3d::UnitZ()) *
         key.world_from_actor.rotation;
   }
-  // Spread about what all poses have in common: that is a matter of the actor's frame.
+  // The spread around the mean error, which belongs to the actor's frame.
   const auto spread = [&](const Actor& actor) {
     const auto off = [&](std::size_t k) {
       return truth.track[k].corrected().inverse() * actor.track[k].corrected();
@@ -305,7 +305,7 @@ TEST(ActorTracks, AreWonBackFromReturns) {
   EXPECT_GT(spread(noisy).first, 0.2);
   EXPECT_LT(spread(found).first, 0.15 * spread(noisy).first) << spread(found).first;
   EXPECT_LT(spread(found).second, 0.3 * spread(noisy).second) << spread(found).second;
-  // Recorded poses stay as they are, and so does a track that nothing tells of.
+  // Recorded poses and a track without observations are unchanged.
   EXPECT_EQ(found.track[3].world_from_actor.translation, noisy.track[3].world_from_actor.translation);
   Actor unseen = noisy;
   register_track(unseen, {});

@@ -1,4 +1,4 @@
-// A pane that stands beside a road, seen by a LiDAR that drives past it.
+// Tests a pane beside a road, passed by a LiDAR.
 #include "optim/init/dark_still.hpp"
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kVoxel_m = 0.2;
 constexpr double kPane_m = 5.0;    // y of the pane
-constexpr double kHalf_m = 1.5;    // of its length along x
+constexpr double kHalf_m = 1.5;    // half length along x
 constexpr double kBottom_m = 0.5;  // above the ground
 constexpr double kTop_m = 1.3;
 constexpr double kLidar_m = 1.9;  // above the ground
@@ -29,7 +29,7 @@ GroundMap flat_ground() {
   return ground;
 }
 
-/// Around the half of the pane at negative x, during all sweeps.
+/// Returns a box around the half of the pane at negative x, during all sweeps.
 MovingBox box_around_half() {
   MovingBox box{{0.5 * kHalf_m, 0.5, 1.0}, {}, {}};
   box.scene_from_box_start.translation = {-0.5 * kHalf_m, kPane_m, 1.0};
@@ -38,8 +38,8 @@ MovingBox box_around_half() {
 }
 
 struct Situation {
-  bool is_dark = true;             // else light comes through the pane
-  bool has_ground_returns = true;  // else the ground answers nobody: all rays drop
+  bool is_dark = true;             // otherwise rays pass through the pane
+  bool has_ground_returns = true;  // otherwise all rays drop
   std::vector<BlindArc> blind = {};
   std::vector<MovingBox> boxes = {};
 };
@@ -67,7 +67,7 @@ PointSet found(const Situation& situation) {
             Lidar::direction(posed.sweep.rays.azimuth[ray], posed.sweep.rays.elevation[ray]);
         const Eigen::Vector3d on_pane = at.translation + kPane_m / d.y() * d;
         const bool meets = std::abs(on_pane.x()) < kHalf_m && on_pane.z() > kBottom_m && on_pane.z() < kTop_m;
-        // The sky returns nothing, either.
+        // The sky has no return either.
         const double ground_m = d.z() < 0.0 ? kLidar_m / -d.z() : 0.0;
         const bool returns = situation.has_ground_returns && ground_m < 60.0 && !(meets && situation.is_dark);
         posed.sweep.range.push_back(static_cast<float>(returns ? ground_m : 0.0));
@@ -82,8 +82,7 @@ PointSet found(const Situation& situation) {
 TEST(DarkStill, IsWhereRaysDropThatTheGroundWouldAnswer) {
   const PointSet points = found({});
   ASSERT_GT(points.size(), 20U);
-  // Rays past the pane's edge share voxels with those into it: a few of these go on to where no other ray
-  // was.
+  // Rays past the pane's edge share voxels with rays into it: a few of these continue where no other ray was.
   std::size_t near_pane = 0, on_pane = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f p = points.position.col(static_cast<Eigen::Index>(i));
@@ -122,7 +121,7 @@ TEST(DarkStill, RaysThroughWhatDrivesSayNothing) {
 }
 
 TEST(DarkStill, TheSkySaysNothing) {
-  // All rays drop: what looks down has a say, what looks up has none.
+  // All rays drop: rays down count, rays up do not.
   const PointSet points = found({.has_ground_returns = false});
   ASSERT_GT(points.size(), 0U);
   EXPECT_LT(points.position.row(2).maxCoeff(), kLidar_m);

@@ -1,4 +1,4 @@
-// A black lorry in front of a wall, seen by a LiDAR that drives past it.
+// Tests a black lorry in front of a wall, passed by a LiDAR.
 #include "optim/init/dark_surfaces.hpp"
 
 #include <cmath>
@@ -12,9 +12,9 @@ namespace dark_surfaces_test {
 
 constexpr double kVoxel_m = 0.2;
 constexpr double kWall_m = 12.0;  // y of the wall, in the scene
-constexpr double kLorry_m = 6.0;  // y of the lorry's middle
+constexpr double kLorry_m = 6.0;  // y of the lorry's centre
 const Eigen::Vector3d kBox{6.0, 2.0, 3.0};
-const Eigen::Vector3d kBody{4.0, 2.0, 3.0};  // what is there of it: the box is longer
+const Eigen::Vector3d kBody{4.0, 2.0, 3.0};  // the actual body: the box is longer
 
 Lidar sideways() {
   Lidar lidar;
@@ -54,7 +54,8 @@ bool meets(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, cons
   return first < last;
 }
 
-/// Ten sweeps from x = -5 m to 4 m; what meets the body drops, or with `glass` comes back from the wall.
+/// Returns points of ten sweeps from x = -5 m to 4 m; rays to the body drop, or with `glass` return from the
+/// wall.
 PointSet found(bool glass, const std::vector<BlindArc>& blind = {}) {
   Lidar lidar = sideways();
   lidar.blind = blind;
@@ -85,8 +86,8 @@ TEST(DarkSurfaces, AreWhereRaysDropAndNoneComesThrough) {
   ASSERT_GT(points.size(), 100U);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f p = points.position.col(static_cast<Eigen::Index>(i));
-    // The side that is seen, and the ends: not the metre in front of and behind the body, which rays that
-    // came back have passed.
+    // Only the visible side and the ends: not the free metre in front of and behind the body, which returned
+    // rays have passed.
     EXPECT_LT(std::abs(p.x()), 0.5 * kBody.x() + 2.0 * kVoxel_m) << i;
     if (std::abs(p.x()) < 1.0F) {
       EXPECT_LT(p.y(), 0.0F) << "no ray gets to the far side, " << i;

@@ -1,4 +1,4 @@
-// What a training finds that moves, with and without a label.
+// Tests moving objects found by a training, with and without a label.
 #include <algorithm>
 #include <gtest/gtest.h>
 #include <utility>
@@ -31,7 +31,7 @@ TEST_F(ATrainingsActors, TrainingFindsTheCarOfALogWithoutLabels) {
     const Vector3d apart = key.corrected().translation - log_.actors[0].at(key.time_s).translation;
     EXPECT_LT(apart.norm(), 0.4) << key.time_s;
   }
-  // Sweep 9 is held out, and its time is the track's all the same.
+  // Sweep 9 is held out, but its time is part of the track.
   EXPECT_TRUE(scene.actors[0].is_there(0.95));
   EXPECT_GT(std::count(scene.lidar.actor.begin(), scene.lidar.actor.end(), 1U), 50);
   options.find_actors = false;
@@ -83,7 +83,7 @@ TEST_F(ATrainingsActors, TrainingGoesOnWhereALabelEnds) {
     training.prepare();
     return std::pair{training.report().found, training.scene().actors};
   };
-  const auto [none, whole] = prepared(log_);  // the label lasts as long as the log
+  const auto [none, whole] = prepared(log_);  // the label covers the complete log
   EXPECT_EQ(none.actors, 1U);
   EXPECT_EQ(none.added + none.continued, 0U);
   ASSERT_EQ(whole.size(), 1U);

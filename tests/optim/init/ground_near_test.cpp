@@ -1,4 +1,4 @@
-// A LiDAR's blind spot on a road that rises.
+// Tests a LiDAR's blind spot on a rising road.
 #include "optim/init/ground_near.hpp"
 
 #include <cmath>
@@ -12,7 +12,7 @@ constexpr double kSlope = 0.05, kRig_m = 0.4,
 
 double height(double x) { return kSlope * x; }
 
-/// Returns on the ground from 4 m around the origin on, and a wall at y = 6 m.
+/// Returns points of the ground from 4 m around the origin, and of a wall at y = 6 m.
 PointSet around_blind_spot() {
   VoxelGrid grid(kVoxel_m);
   for (double x = -15.05; x < 15.1; x += 0.1) {
@@ -31,7 +31,7 @@ GroundMap ground_of(const PointSet& points) {
   return ground;
 }
 
-/// On the ground, along x.
+/// Returns poses on the ground along x.
 std::vector<Pose> path() {
   std::vector<Pose> poses;
   for (double x = -5.0; x <= 5.0; x += 1.0) {
@@ -51,7 +51,7 @@ TEST(GroundNear, FillsWhatNoLaserReached) {
     EXPECT_TRUE(p.head<2>().norm() < 4.2F || p.y() > 5.7F) << p.transpose();  // elsewhere there are returns
     blind += p.head<2>().norm() < 4.0F ? 1 : 0;
   }
-  // One for each 0.2 m square of the disc.
+  // One per 0.2 m square of the disc.
   EXPECT_NEAR(static_cast<double>(blind), 3.14159 * 4.0 * 4.0 / 0.04, 60.0);
 }
 

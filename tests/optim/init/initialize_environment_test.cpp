@@ -8,7 +8,7 @@
 namespace simuli {
 namespace {
 
-/// The direction of a texel's centre.
+/// Returns the direction of a texel's centre.
 Eigen::Vector3f direction_of(int x, int y, int width) {
   const double azimuth = (0.5 - (x + 0.5) / width) * 2.0 * kPi;
   const double elevation = (0.5 - (y + 0.5) / (width / 2)) * kPi;
@@ -47,13 +47,14 @@ TEST(InitializeEnvironment, SmallHolesTakeTheMeanOfTheirBlock) {
   const EnvironmentMap map = environment_of(
       {{direction_of(4, 2, kWidth), {1.0F, 0.0F, 0.0F}}, {direction_of(6, 2, kWidth), {0.0F, 0.0F, 1.0F}}},
       kWidth);
-  EXPECT_EQ(texel(map, 5, 3), Eigen::Vector3f(1.0F, 0.0F, 0.0F));  // its block of 2 x 2 has the first alone
-  EXPECT_EQ(texel(map, 5, 1), Eigen::Vector3f(0.5F, 0.0F, 0.5F));  // its block of 4 x 4 has both
+  EXPECT_EQ(texel(map, 5, 3),
+            Eigen::Vector3f(1.0F, 0.0F, 0.0F));  // its block of 2 x 2 contains only the first
+  EXPECT_EQ(texel(map, 5, 1), Eigen::Vector3f(0.5F, 0.0F, 0.5F));  // its block of 4 x 4 contains both
 }
 
 TEST(InitializeEnvironment, LargeHolesTakeTheMeanOfTheirElevation) {
   constexpr int kWidth = 16;
-  std::vector<FarShell::Patch> patches;  // a band of sky in front, road below it
+  std::vector<FarShell::Patch> patches;  // a band of sky ahead, road below it
   for (int x = 4; x < 12; ++x) {
     patches.push_back({direction_of(x, 3, kWidth), {0.0F, 0.0F, 1.0F}});
     patches.push_back({direction_of(x, 4, kWidth), {0.5F, 0.5F, 0.5F}});
@@ -63,7 +64,7 @@ TEST(InitializeEnvironment, LargeHolesTakeTheMeanOfTheirElevation) {
     for (int y = 0; y < 3; ++y) ASSERT_EQ(texel(map, x, y), Eigen::Vector3f(0.0F, 0.0F, 1.0F));
     for (int y = 5; y < 8; ++y) ASSERT_EQ(texel(map, x, y), Eigen::Vector3f(0.5F, 0.5F, 0.5F));
   }
-  EXPECT_EQ(texel(map, 0, 0), Eigen::Vector3f(0.0F, 0.0F, 1.0F));  // and all around
+  EXPECT_EQ(texel(map, 0, 0), Eigen::Vector3f(0.0F, 0.0F, 1.0F));  // also all around
   EXPECT_EQ(texel(map, 15, 7), Eigen::Vector3f(0.5F, 0.5F, 0.5F));
   const EnvironmentMap none = environment_of({}, kWidth);
   for (const float value : none.texels) EXPECT_EQ(value, 0.5F);

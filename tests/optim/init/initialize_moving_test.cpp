@@ -21,7 +21,7 @@ Lidar lidar() {
   return lidar;
 }
 
-/// What the laser meets on a road inside a round wall, and when `pole`, a pole of 0.2 m at (10, 0).
+/// Returns a sweep of a road inside a round wall; with `pole` also of a pole of 0.2 m at (10, 0).
 Sweep sweep(bool pole = false) {
   Sweep sweep{nominal_rays(lidar()), {}, {}};
   for (std::size_t i = 0; i < sweep.rays.azimuth.size(); ++i) {
@@ -48,7 +48,7 @@ std::vector<PointVotes> votes_of(const Sweep& s,
 
 TEST(Moving, APointBeforeTheWallIsLookedThroughOnAllSides) {
   std::vector<Eigen::Vector3f> ghosts;
-  for (int i = 0; i < 36; ++i) {  // across the seam of the sweep, too
+  for (int i = 0; i < 36; ++i) {  // also across the seam of the sweep
     const float azimuth = 0.1745F * static_cast<float>(i);
     ghosts.emplace_back(10.0F * std::cos(azimuth), 10.0F * std::sin(azimuth), -0.5F);
   }
@@ -63,7 +63,7 @@ TEST(Moving, WallRoadAndPoleAreThere) {
   std::vector<Eigen::Vector3f> fixed;
   for (int i = 0; i < 36; ++i) {
     const float azimuth = 0.1745F * static_cast<float>(i);
-    for (const float rho : {5.0F, 8.0F, 12.0F, 16.0F, 19.5F}) {  // grazing further and further
+    for (const float rho : {5.0F, 8.0F, 12.0F, 16.0F, 19.5F}) {  // increasingly grazing
       fixed.emplace_back(rho * std::cos(azimuth), rho * std::sin(azimuth), static_cast<float>(kRoad_m));
     }
     fixed.emplace_back(20.0F * std::cos(azimuth), 20.0F * std::sin(azimuth), -1.0F);
@@ -102,31 +102,31 @@ TEST(Moving, WhatCannotBeToldGetsNoVote) {
   EXPECT_EQ(votes_of(nothing_back, ghost)[0].through, 0);
   for (const PointVotes& votes : votes_of(sweep(),
                                           {{30.0F, 0.0F, -1.0F},     // behind the wall
-                                           {10.0F, 0.0F, 5.0F},      // above all rows
-                                           {2.0F, 0.0F, -1.7F},      // below all rows
+                                           {10.0F, 0.0F, 5.0F},      // above all beams
+                                           {2.0F, 0.0F, -1.7F},      // below all beams
                                            {45.0F, 0.0F, -1.0F},     // too far
-                                           {0.5F, 0.0F, -0.1F}})) {  // on the car itself
+                                           {0.5F, 0.0F, -0.1F}})) {  // on the ego vehicle
     EXPECT_EQ(votes.through, 0);
     EXPECT_EQ(votes.there, 0);
   }
 }
 
 TEST(Moving, TheSensorsOwnMotionIsUndone) {
-  // The sensor drives 6 m in the sweep; the pole is met straight ahead, when half of that is done.
+  // The sensor moves 6 m in the sweep; the pole is measured straight ahead at half time.
   const Pose start{Eigen::Quaterniond::Identity(), {-3.0, 0.0, 0.0}};
   const Pose end{Eigen::Quaterniond::Identity(), {3.0, 0.0, 0.0}};
   const PointSet points = point_set({{10.0F, 0.0F, -0.5F}});
   std::vector<PointVotes> votes(1);
   vote_on_points(sweep(true), lidar(), start, end, points, votes);
   EXPECT_EQ(votes[0].there, 1);
-  std::vector<PointVotes> standing(1);  // from where the sweep began, the pole is 13 m away
+  std::vector<PointVotes> standing(1);  // from the first pose, the pole is 13 m away
   vote_on_points(sweep(true), lidar(), start, start, points, standing);
   EXPECT_EQ(standing[0].there, 0);
 }
 
 TEST(Moving, BlocksChangeNoVote) {
   std::vector<Eigen::Vector3f> places;
-  for (int i = 0; i < 3000; ++i) {  // a spiral out to 60 m, of which 40 m are voted on
+  for (int i = 0; i < 3000; ++i) {  // a spiral up to 60 m, only 40 m of which are judged
     const float azimuth = 0.37F * static_cast<float>(i), away_m = 0.02F * static_cast<float>(i);
     places.emplace_back(away_m * std::cos(azimuth), away_m * std::sin(azimuth), -0.5F);
   }

@@ -19,13 +19,13 @@ namespace fs = std::filesystem;
 
 constexpr FrameSelection kFullSize{.image_scale = 1.0};
 
-// Pictures are stored in 8 bits: half a step, and as much again for the bilinear sample.
+// Pictures have 8 bits: half a step, and the same for the bilinear sample.
 constexpr float kColour = 1.0F / 255.0F;
-// Sweeps are float, voxel averages keep micrometres; ranges of up to 20 m in float32.
+// Sweeps are float, voxel means have micrometre resolution; ranges of up to 20 m in float32.
 constexpr double kPosition_m = 1e-4;
 
 /// A log of a wall 10 m ahead of a resting rig: the picture is red on the left, green on the right, and blue
-/// above the wall, where the laser does not reach.
+/// above the wall, beyond the LiDAR's elevations.
 class InitializeScene : public testing::Test {
  protected:
   static constexpr double kWall_m = 10.0;
@@ -37,7 +37,7 @@ class InitializeScene : public testing::Test {
     log_.name = "wall";
     log_.cameras.push_back({camera(), rig_from_camera()});
     log_.lidars.push_back({lidar(), Pose{}});
-    const Pose far_away{Eigen::Quaterniond::Identity(), {1e6 + 0.25, -2e5, 50.0}};  // as UTM coordinates are
+    const Pose far_away{Eigen::Quaterniond::Identity(), {1e6 + 0.25, -2e5, 50.0}};  // like UTM coordinates
     log_.world_from_rig = Trajectory({{0.0, far_away}, {1.0, far_away}});
     for (int i = 0; i < 2; ++i) {
       const std::string number = std::to_string(i);
@@ -89,7 +89,7 @@ float colour_of(const GaussianSet& set, Eigen::Index row, int channel) {
   return 0.5F + kSh0 * set.sh(0)(row, channel);
 }
 
-/// One ray in ten drops in this log, as glass would have it.
+/// One ray in ten drops in this log, like rays into glass.
 InitOptions without_dark_surfaces() {
   InitOptions options;
   options.dark_surfaces = false;
@@ -103,7 +103,7 @@ TEST_F(InitializeScene, LidarParticlesLieOnTheWall) {
   EXPECT_EQ(init.report.points, 2U * 64U * 180U * 9U / 10U);
   ASSERT_EQ(set.size(), static_cast<Eigen::Index>(init.report.lidar_cells));
   ASSERT_GT(set.size(), 100);
-  EXPECT_LT(set.size(), static_cast<Eigen::Index>(init.report.voxels / 2));  // the wall is flat and alike
+  EXPECT_LT(set.size(), static_cast<Eigen::Index>(init.report.voxels / 2));  // the wall is flat and uniform
   std::size_t flat = 0;
   for (Eigen::Index i = 0; i < set.size(); ++i) {
     ASSERT_NEAR(set.mean()(i, 0), kWall_m + 0.25, kPosition_m);
@@ -147,18 +147,18 @@ TEST_F(InitializeScene, CameraParticlesTakeTheColourOfThePicture) {
   EXPECT_EQ(init.report.voxels,
             static_cast<std::size_t>(on_points) + init.report.unseen_points + init.report.joined_points +
                 init.report.camera_thinned);
-  EXPECT_GT(init.report.unseen_points, 0U);  // the laser sees further to the sides than the camera
+  EXPECT_GT(init.report.unseen_points, 0U);  // the LiDAR has a wider field of view than the camera
   int left = 0;
   int right = 0;
   for (Eigen::Index i = 0; i < on_points; ++i) {
     const Eigen::Vector3f mean = set.mean().row(i);
     const double column = 40.0 - 60.0 * mean.y() / kWall_m;
-    if (std::abs(column - 40.0) < 1.0) continue;  // colours mix across the edge
+    if (std::abs(column - 40.0) < 1.0) continue;  // colours mix at the edge
     const int channel = column < 40.0 ? 0 : 1;
     (channel == 0 ? left : right)++;
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(colour_of(set, i, c), c == channel ? 1.0F : 0.0F, kColour) << i;
-    // Half a pixel of the picture at 10 m at least: no holes. What no picture shows is wider than its cell
-    // is.
+    // At least half a pixel of the picture at 10 m: no holes. Particles outside the pictures are wider than
+    // their cell.
     const double least_m = i < on_points - static_cast<Eigen::Index>(init.report.filled_particles)
                                ? 0.5 * kWall_m / 60.0
                                : 0.5 * options.voxel_m;
@@ -214,12 +214,12 @@ TEST_F(InitializeScene, HeldOutFramesAreNotRead) {
   std::size_t calls = 0;
   const SceneInit init = initialize_scene(log_, half, {}, [&](std::size_t done, std::size_t total) {
     EXPECT_EQ(done, calls++);
-    EXPECT_EQ(total, 6U);  // the sweep and the picture three times
+    EXPECT_EQ(total, 6U);  // the sweep, and the picture three times
   });
-  EXPECT_EQ(calls, 7U);  // before the first file, too
+  EXPECT_EQ(calls, 7U);  // also before the first file
   EXPECT_EQ(init.report.sweeps, 1U);
   EXPECT_EQ(init.report.images, 1U);
-  EXPECT_THROW((void)initialize_scene(log_, kFullSize, {}), Error);  // and the others are
+  EXPECT_THROW((void)initialize_scene(log_, kFullSize, {}), Error);  // the other frames are read
 }
 
 TEST_F(InitializeScene, DegreesAndImageScaleAreTaken) {
@@ -230,7 +230,7 @@ TEST_F(InitializeScene, DegreesAndImageScaleAreTaken) {
   EXPECT_EQ(init.scene.camera.params.cols(), param_rows(3));
   EXPECT_EQ(init.scene.lidar.params.cols(), param_rows(0));
   EXPECT_TRUE((init.scene.camera.params.rightCols(45).array() == 0.0F).all());
-  // Pixels of twice the size: particles at least half of that wide.
+  // Pixels of twice the size: particles at least half as wide.
   EXPECT_GE(init.scene.camera.log_scale()(0, 0), static_cast<float>(std::log(0.5 * kWall_m / 30.0)) - 1e-4F);
 }
 
@@ -268,7 +268,7 @@ TEST_F(InitializeScene, OptionsOutOfRangeAreUsageErrors) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   refused([&](Options& o) { o.init.voxel_m = nan; });
   refused([&](Options& o) { o.init.voxel_m = 0.0; });
-  refused([&](Options& o) { o.frames.held_out_every = 1; });  // nothing would be left
+  refused([&](Options& o) { o.frames.held_out_every = 1; });  // no training frames would remain
   refused([&](Options& o) { o.frames.held_out_every = -5; });
   refused([&](Options& o) { o.frames.image_scale = nan; });
   refused([&](Options& o) { o.frames.image_scale = 2.0; });
@@ -287,7 +287,7 @@ TEST_F(InitializeScene, PictureOfAnotherSizeIsAnInputError) {
   }
 }
 
-/// The moving rig and the spin are undone: points of a street, swept while driving, lie on its surfaces.
+/// Sensor motion and spin are compensated: points of a street, swept in motion, are on its surfaces.
 TEST(InitializeStreet, PointsLieOnTheSurfacesOfTheStreet) {
   std::string pattern = (fs::temp_directory_path() / "simuli_init_street_XXXXXX").string();
   ASSERT_NE(mkdtemp(pattern.data()), nullptr);
@@ -303,9 +303,8 @@ TEST(InitializeStreet, PointsLieOnTheSurfacesOfTheStreet) {
   const SceneInit init = initialize_scene(log, kFullSize, {});
   const GaussianSet& set = init.scene.lidar;
   ASSERT_GT(set.size(), 500);
-  // Surfaces that face the drive show the motion: there a point moved along the road leaves its surface.
-  // Looked at from where the rig stood in the middle, most of their particles are on the first surface; the
-  // others are hidden by what stands before them.
+  // Surfaces that face the motion reveal errors: points moved along the road leave them. From the rig's
+  // middle position, most of their particles are on the first surface; the others are occluded.
   const Street street({.seed = street_options.seed});
   const LogLidar& lidar = log.lidars.front();
   const Eigen::Vector3d eye = (log.world_from_rig.at(0.15) * lidar.rig_from_lidar).translation;
@@ -321,7 +320,8 @@ TEST(InitializeStreet, PointsLieOnTheSurfacesOfTheStreet) {
   }
   ASSERT_GT(off_m.size(), 100U);
   std::nth_element(off_m.begin(), off_m.begin() + static_cast<long>(off_m.size() / 2), off_m.end());
-  // The sensor's own noise and the voxel's average; undoing no motion (0.8 m per sweep) gives decimetres.
+  // The sensor's noise and the voxel's mean; without motion compensation (0.8 m per sweep) the error is
+  // decimetres.
   EXPECT_LT(off_m[off_m.size() / 2], 0.03);
   fs::remove_all(pattern);
 }

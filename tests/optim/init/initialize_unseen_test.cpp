@@ -8,7 +8,7 @@
 namespace simuli {
 namespace {
 
-/// 100 x 80 px at the origin, looking along +x, the picture's right towards -y: 0.5 m to each side per m.
+/// Returns a view of 100 x 80 px at the origin along +x, its right towards -y: 0.5 m to each side per m.
 ImageView view() {
   const Camera camera{"front", 100, 80, 100.0, 100.0, 50.0, 40.0, ShutterKind::kGlobal};
   Eigen::Matrix3d scene_from_camera;
@@ -49,12 +49,12 @@ struct Points {
 TEST(UnseenSurfaces, AreThoseThatAMoveToTheSideOrUpBringsIntoThePicture) {
   Points some;
   some.add_seen({10, 0, 0}, 0.5F, {0.2F, 0.4F, 0.6F});
-  some.add({10, 0, -1}, 0.5F);  // in the picture, hidden by something
-  some.add({10, 7, 0}, 0.5F);   // 2 m to the left of it
-  some.add({10, -7, 0}, 0.5F);  // and to the right
-  some.add({10, 0, 6}, 0.5F);   // and above
+  some.add({10, 0, -1}, 0.5F);  // in the picture, occluded
+  some.add({10, 7, 0}, 0.5F);   // 2 m to the left of the picture
+  some.add({10, -7, 0}, 0.5F);  // to the right
+  some.add({10, 0, 6}, 0.5F);   // above
   some.add({10, 9, 0}, 0.5F);   // too far to the left
-  some.add({10, 0, -6}, 0.5F);  // below: no camera sinks into the road
+  some.add({10, 0, -6}, 0.5F);  // below: cameras are never below the road
   some.add({-10, 0, 0}, 0.5F);  // behind
   const UnseenSurfaces unseen = some.unseen(3.0);
   EXPECT_EQ(unseen.points, 4U);
@@ -87,8 +87,7 @@ TEST(UnseenSurfaces, HaveTheColourOfWhatIsNearAndReflectsAlike) {
 }
 
 TEST(UnseenSurfaces, HaveTheColourOfASurfaceThatFacesAlike) {
-  // A pavement goes on behind a parked car; its red rear is much nearer than what pictures show of the
-  // pavement.
+  // A pavement continues behind a parked car; its red rear is much nearer than the visible pavement.
   Points some;
   const Eigen::Vector3f red{0.6F, 0.1F, 0.1F}, grey{0.5F, 0.5F, 0.5F};
   for (int i = 0; i < 8; ++i) {
@@ -102,7 +101,7 @@ TEST(UnseenSurfaces, HaveTheColourOfASurfaceThatFacesAlike) {
   const UnseenSurfaces unseen = some.unseen(1.0);
   EXPECT_EQ(unseen.points, 64U);
   ASSERT_GE(unseen.cells.size(), 9U);
-  std::size_t greyish = 0;  // those at a rim have too few neighbours for a plane
+  std::size_t greyish = 0;  // particles at an edge have too few neighbours for a plane
   for (const Eigen::Vector3f& colour : unseen.colours) {
     greyish += (colour - grey).norm() < (colour - red).norm();
   }
@@ -110,8 +109,8 @@ TEST(UnseenSurfaces, HaveTheColourOfASurfaceThatFacesAlike) {
 }
 
 TEST(UnseenSurfaces, AreClosed) {
-  // A row of returns every 0.4 m: none teaches a particle to close the gaps, so each is made as wide as they
-  // are.
+  // A row of returns every 0.4 m: no picture trains these particles to close the gaps, so each is made as
+  // wide as the gaps.
   Points some;
   some.add_seen({8, 0, -1}, 0.5F, {0.5F, 0.5F, 0.5F});
   for (int i = 0; i < 8; ++i) {
@@ -143,17 +142,18 @@ TEST(UnseenSurfaces, AreClosed) {
 TEST(UnseenSurfaces, TakeNoColourFromWhatIsHardlySeen) {
   Points some;
   const Eigen::Vector3f red{0.6F, 0.1F, 0.1F}, grey{0.5F, 0.5F, 0.5F};
-  some.add_seen({10, 0.1F, -1}, 0.5F, red, kViews - 1);  // seen past a red rear, between two rows of returns
+  some.add_seen(
+      {10, 0.1F, -1}, 0.5F, red, kViews - 1);  // visible past a red rear, between two rows of returns
   some.add_seen({10, 0.2F, -1}, 0.5F, red, kViews, grey);
   some.add_seen({14, 0, -1}, 0.5F, grey, kViews, {0.6F, 0.6F, 0.6F});
   some.add({10, 0, -1}, 0.5F);
   ASSERT_EQ(some.unseen(1.0).colours.size(), 1U);
   EXPECT_LT((some.unseen(1.0).colours[0] - grey).norm(), 1e-6F);
-  // With as few pictures as these, one look in each is all that there can be ...
+  // With so few pictures, one view in each is the maximum ...
   some.looks[2] = {};
   ASSERT_EQ(some.unseen(1.0, kViews - 1).colours.size(), 2U);
   EXPECT_LT((some.unseen(1.0, kViews - 1).colours[0] - red).norm(), 1e-6F);
-  // ... and with nothing better, what is hardly seen is all that is known.
+  // ... and without better views, a barely visible colour is used.
   some.looks[0] = {};
   ASSERT_EQ(some.unseen(1.0).colours.size(), 3U);
   EXPECT_LT((some.unseen(1.0).colours[0] - red).norm(), 1e-6F);

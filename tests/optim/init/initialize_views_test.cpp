@@ -30,14 +30,14 @@ Image plain(float red, float green, float blue) {
 Pose at(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
 
 TEST(ImageView, RollingShutterSeesAPointAtItsOwnTime) {
-  // Moves 1 m to the right while reading out from the top to the bottom.
+  // Moves 1 m to the right during a readout from top to bottom.
   const ImageView view(camera(ShutterKind::kTopToBottom), at(0, 0, 0), at(1, 0, 0));
   Eigen::Vector2d pixel;
   double range_m = 0.0;
   ASSERT_TRUE(view.project({0.5, 2.0, 10.0}, pixel, range_m));
-  EXPECT_NEAR(pixel.y(), 60.0, 1e-6);  // three quarters down, so the camera stands at 0.75 m
+  EXPECT_NEAR(pixel.y(), 60.0, 1e-6);  // three quarters down, so the camera is at 0.75 m
   EXPECT_NEAR(pixel.x(), 50.0 + 100.0 * (0.5 - 0.75) / 10.0, 1e-6);
-  // The ray back through that pixel meets the point.
+  // The ray back through this pixel intersects the point.
   Eigen::Vector3d origin;
   Eigen::Vector3d direction;
   view.unproject(pixel, origin, direction);
@@ -60,7 +60,7 @@ TEST(LookAtPoints, TheForegroundHidesTheBackground) {
       positions.emplace_back(0.1F * static_cast<float>(i), 0.1F * static_cast<float>(j), 5.0F);
   }
   const std::size_t hidden = positions.size();
-  positions.emplace_back(0.12F, 0.12F, 20.0F);  // behind it
+  positions.emplace_back(0.12F, 0.12F, 20.0F);  // behind the board
   const std::size_t beside = positions.size();
   positions.emplace_back(6.0F, 0.0F, 20.0F);
   const PointSet points = point_set(positions);
@@ -110,11 +110,11 @@ TEST(JoinByFootprint, OnlyWhatNoPictureShowsApartBecomesOne) {
   EXPECT_EQ(join_by_footprint(points, looks, 0.1, 3.0), 1U);
   ASSERT_EQ(points.size(), 4U);
   ASSERT_EQ(looks.size(), 4U);
-  EXPECT_EQ(looks[1].range_m, 3.0F);  // the near ones stay as they are
+  EXPECT_EQ(looks[1].range_m, 3.0F);  // near points are unchanged
   EXPECT_TRUE(points.position.col(1).isApprox(Eigen::Vector3f(0.15F, 0.05F, 0.05F)));
   EXPECT_TRUE(points.position.col(2).isApprox(Eigen::Vector3f(10.15F, 0.1F, 0.05F)));
   EXPECT_NEAR(points.intensity[2], 0.4F, 1e-6F);
-  EXPECT_EQ(looks[2].range_m, 29.0F);  // the closest look's, the colour that of all
+  EXPECT_EQ(looks[2].range_m, 29.0F);  // of the nearest view; the colour is the mean of all views
   EXPECT_EQ(looks[2].footprint_m, 0.145F);
   EXPECT_TRUE(looks[2].colour.isApprox(Eigen::Vector3f(0.6F, 0.5F, 0.3F)));
   EXPECT_TRUE(points.position.col(3).isApprox(Eigen::Vector3f(10.45F, 0.05F, 0.05F)));
@@ -125,7 +125,7 @@ TEST(LookAtPoints, APointCoversAsMuchAsItsDisc) {
   const PointSet points = point_set({{0.005F, 0.005F, 1.0F}, {0.1F, 0.005F, 10.0F}});
   std::vector<PointObservation> looks(points.size());
   const Coverage coverage = look_at_points(view, plain(0, 0, 1), points, 0.1, 1, looks);
-  // 0.1 m are 10 px at 1 m, 1 px at 10 m: squares around the pixels of both.
+  // 0.1 m are 10 px at 1 m, 1 px at 10 m: squares around both pixels.
   const Camera c = camera();
   const int x = c.width / 2, y = c.height / 2;
   const auto is_covered = [&](int column, int row) {
@@ -135,7 +135,7 @@ TEST(LookAtPoints, APointCoversAsMuchAsItsDisc) {
   EXPECT_TRUE(is_covered(x, y) && is_covered(x - 4, y - 4) && is_covered(x + 4, y + 4));
   EXPECT_FALSE(is_covered(x - 7, y) || is_covered(x, y + 7));
   Coverage whole{1, 200, 100, std::vector<std::uint8_t>(200 * 100, 0)};
-  whole.cover({1.0, 1.0}, 1e9);  // never the whole picture
+  whole.cover({1.0, 1.0}, 1e9);  // not the complete picture
   EXPECT_EQ(whole.covered[33], 1);
   EXPECT_EQ(whole.covered[34], 0);
   EXPECT_EQ(whole.covered[34 * 200], 0);
@@ -154,7 +154,7 @@ TEST(SampleBilinear, PixelCentresAreAtHalves) {
   EXPECT_FLOAT_EQ(sample_bilinear<3>(image, Eigen::Vector2d(0.5, 0.5)).x(), 0.0F);
   EXPECT_FLOAT_EQ(sample_bilinear<3>(image, Eigen::Vector2d(1.0, 0.5)).x(), 0.5F);
   EXPECT_FLOAT_EQ(sample_bilinear<3>(image, Eigen::Vector2d(1.25, 0.2)).y(), 0.75F);
-  EXPECT_FLOAT_EQ(sample_bilinear<3>(image, Eigen::Vector2d(2.0, 1.0)).z(), 1.0F);  // the border goes on
+  EXPECT_FLOAT_EQ(sample_bilinear<3>(image, Eigen::Vector2d(2.0, 1.0)).z(), 1.0F);  // the border continues
 }
 
 TEST(FarShell, CamerasFarAwayAreRefused) {
@@ -230,7 +230,7 @@ TEST(FarShell, AWholeSphereHasCellsOfEqualSizeAndNoDoubles) {
 
 TEST(FarShell, AddsOnlyWhatNoPointExplains) {
   const ImageView view(camera(), at(0, 0, 0), at(0, 0, 0));
-  std::vector<Eigen::Vector3f> wall;  // fills the right half of the picture
+  std::vector<Eigen::Vector3f> wall;  // covers the right half of the picture
   for (int x = 0; x < 60; ++x) {
     for (int y = -45; y < 45; ++y)
       wall.emplace_back(0.1F * static_cast<float>(x), 0.1F * static_cast<float>(y), 10.0F);
@@ -248,7 +248,7 @@ TEST(FarShell, AddsOnlyWhatNoPointExplains) {
   }
 }
 
-/// A fisheye of 60 degrees off axis in a picture whose corners it does not reach.
+/// Returns a fisheye of 60 degrees off axis that does not reach the corners of the picture.
 Camera narrow_fisheye() {
   Camera fisheye = camera();
   fisheye.lens = Lens(LensKind::kOpencvFisheye, {0.0, 0.0, 0.0, 0.0, std::numbers::pi / 3});
@@ -267,14 +267,14 @@ TEST(FarShell, LeavesOutPixelsWithoutARay) {
   ASSERT_GT(patches.size(), 100U);
   for (const FarShell::Patch& patch : patches) {
     EXPECT_NEAR(patch.direction.norm(), 1.0F, 1e-5F);
-    EXPECT_GT(patch.direction.z(), 0.48F);  // 60 degrees off the axis and a cell
+    EXPECT_GT(patch.direction.z(), 0.48F);  // 60 degrees off the axis plus a cell
   }
 }
 
 TEST(ImageView, PixelSizeIsThatOfTheLens) {
   EXPECT_NEAR(ImageView(camera(), at(0, 0, 0), at(0, 0, 0)).pixel_size_at_1m(), 0.01, 1e-12);
   Camera unified = camera();
-  // xi = 1: the picture is half as large as a pinhole's of the same fx.
+  // xi = 1: the picture is half as large as a pinhole's with the same fx.
   unified.lens = Lens(LensKind::kMei, {0.0, 0.0, 0.0, 0.0, 1.0, 1.5});
   const ImageView view(unified, at(0, 0, 0), at(0, 0, 0));
   Eigen::Vector2d here, there;
@@ -290,7 +290,7 @@ TEST(FarShell, RefusesSizesThatAreNone) {
 }
 
 TEST(PointBlocks, LeaveOutNothingThatAPictureShows) {
-  // Runs of points all over the place, and pictures that turn and move while they are taken.
+  // Runs of points in all directions, and pictures that rotate and move during their exposure.
   PointSet points;
   points.position.resize(3, 6400);
   std::uint64_t state = 1;
@@ -325,7 +325,7 @@ TEST(PointBlocks, LeaveOutNothingThatAPictureShows) {
         EXPECT_TRUE(std::binary_search(seen.begin(), seen.end(), k)) << k;
       }
       looked_at += seen.size();
-      // The same with a farthest distance, and around a place.
+      // The same with a maximum distance, and around a position.
       constexpr double kFarthest_m = 30.0;
       const std::vector<std::uint32_t> near = blocks.seen_from(view, kFarthest_m);
       const std::vector<std::uint32_t> around = blocks.within(view.origin(), kFarthest_m);
@@ -342,7 +342,7 @@ TEST(PointBlocks, LeaveOutNothingThatAPictureShows) {
       }
     }
     EXPECT_GT(shown, 0U);
-    EXPECT_LT(looked_at, 20U * 6400U / 2);  // most are never looked at
+    EXPECT_LT(looked_at, 20U * 6400U / 2);  // most are never tested
   }
 }
 

@@ -1,4 +1,5 @@
-// Walls above the laser's reach: where they are told from, what pictures say of them, and the street's truth.
+// Tests walls above the LiDAR's field of view: their extrapolation, the evidence in pictures, and the
+// street's ground truth.
 #include "optim/init/initialize_walls.hpp"
 
 #include <cmath>
@@ -40,11 +41,11 @@ TEST(WallObservations, AgreeWhereMostDo) {
   looks.add(12.0F, *grey(0.54F));
   ASSERT_TRUE(looks.agreed());
   EXPECT_NEAR(looks.agreed()->x(), 0.52F, 0.003F);
-  looks.add(13.0F, *grey(0.9F));  // something stood before it
+  looks.add(13.0F, *grey(0.9F));  // an occluder in front
   EXPECT_TRUE(looks.agreed());
   looks.add(14.0F, *grey(0.1F));
   EXPECT_FALSE(looks.agreed());
-  for (int i = 0; i < 6; ++i) looks.add(5.0F, *grey(0.2F));  // the nearest looks stay
+  for (int i = 0; i < 6; ++i) looks.add(5.0F, *grey(0.2F));  // the nearest views are kept
   ASSERT_TRUE(looks.agreed());
   EXPECT_NEAR(looks.agreed()->x(), 0.2F, 0.003F);
   for (int i = 0; i < 4; ++i) looks.refute();
@@ -55,13 +56,14 @@ TEST(WallObservations, AgreeWhereMostDo) {
 
 TEST(WallSteps, EndAtTheHighestEdge) {
   EXPECT_EQ(wall_steps({}, 2), 0U);
-  EXPECT_EQ(wall_steps({grey(0.5F), grey(0.5F), grey(0.5F)}, 2), 0U);  // plain: may be the sky
+  EXPECT_EQ(wall_steps({grey(0.5F), grey(0.5F), grey(0.5F)}, 2), 0U);  // uniform: may be the sky
   EXPECT_EQ(wall_steps({grey(0.5F), grey(0.5F), grey(0.8F), grey(0.8F)}, 2), 2U);
   EXPECT_EQ(wall_steps({grey(0.5F), grey(0.8F), {}, {}, grey(0.5F), grey(0.2F)}, 2), 5U);
   EXPECT_EQ(wall_steps({grey(0.5F), grey(0.8F), {}, {}, {}, grey(0.5F), grey(0.2F)}, 2), 1U);
 }
 
-/// Horizontally off the true facade of the street, from 0.6 m before it; none: nothing stands there.
+/// Returns the horizontal distance from the true facade of the street, from 0.6 m in front of it; none
+/// without a facade.
 std::optional<double> off_facade_m(const Street& street, const Eigen::Vector3d& p) {
   const double side = p.y() > 0.0 ? 1.0 : -1.0;
   const StreetHit hit = street.trace({p.x(), p.y() - 0.6 * side, p.z()}, {0.0, side, 0.0}, 0.0, 1.2);
@@ -116,7 +118,7 @@ TEST(WallsAbove, AreWhereTheStreetHasFacades) {
     high += p.z() > 6.0 ? 1U : 0U;
   }
   EXPECT_GT(static_cast<double>(right), 0.9 * static_cast<double>(added));
-  EXPECT_GT(high, added / 4);  // not only right above the laser's reach
+  EXPECT_GT(high, added / 4);  // not only directly above the LiDAR's field of view
 }
 
 }  // namespace

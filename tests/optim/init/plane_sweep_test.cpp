@@ -14,7 +14,7 @@ constexpr double kWall_m = 12.0;
 
 Camera camera() { return {"front", 160, 120, 120.0, 120.0, 80.0, 60.0, ShutterKind::kGlobal}; }
 
-/// Smooth random grey, the same for the same place on the wall.
+/// Returns a smooth random grey value of a position on the wall.
 float texture(double x, double y) {
   const auto at = [](std::int64_t i, std::int64_t j) {
     auto h = static_cast<std::uint64_t>(i * 7919 + j * 104729 + 1000003);
@@ -30,14 +30,14 @@ float texture(double x, double y) {
          b * ((1 - a) * at(k, l + 1) + a * at(k + 1, l + 1));
 }
 
-/// What is plain of the wall, by height over its middle, m.
+/// Uniform part of the wall, by height over its centre, m.
 struct Plain {
   double below_m = 0.0;
 };
 constexpr Plain kAll{1e9}, kNothing{};
 
-/// The wall z = kWall_m seen by a camera at (x, 0, z) that looks along z. `noise`: standard deviation of its values,
-/// other ones for each `seed`.
+/// Returns a picture of the wall z = kWall_m from a camera at (x, 0, z) along z. `noise`: standard deviation
+/// of the grey values, with random numbers from `seed`.
 SweepPicture see_wall(double x, Plain plain, double z = 0.0, double noise = 0.0, std::uint32_t seed = 0) {
   const Pose at{Eigen::Quaterniond::Identity(), {x, 0.0, z}};
   const ImageView view(camera(), at, at);
@@ -63,11 +63,11 @@ TEST(SweepDepths, FindsATexturedWall) {
   const SweepPicture left = see_wall(-1.0, kNothing), middle = see_wall(0.0, kNothing),
                      right = see_wall(1.0, kNothing);
   const auto points = sweep_depths(middle, {&left, &right}, coverage(false));
-  // One for each block of 40 x 30; those at the sides are not seen by both others.
+  // One per block of 40 x 30; blocks at the sides are not in both other pictures.
   ASSERT_GT(points.size(), 600U);
   EXPECT_LE(points.size(), 1200U);
   std::size_t near = 0;
-  // Steps of inverse distance: 0.0026 / m, so 0.37 m at 12 m, of which a parabola leaves less than half.
+  // Steps of inverse distance: 0.0026 / m, 0.37 m at 12 m; the parabola leaves less than half.
   for (const Eigen::Vector3d& p : points) near += std::abs(p.z() - kWall_m) < 0.15 ? 1U : 0U;
   EXPECT_GT(static_cast<double>(near), 0.9 * static_cast<double>(points.size()));
 }
@@ -77,7 +77,7 @@ TEST(SweepDepths, PlainSurfacesHaveNoDistance) {
   EXPECT_TRUE(sweep_depths(middle, {&left, &right}, coverage(false)).empty());
 }
 
-/// A band of 1.2 m is 6 pixels high: patches in its middle show nothing else.
+/// A band of 1.2 m is 6 pixels high: patches in its middle contain only the band.
 TEST(SweepDepths, NarrowPlainSurfacesAreAsFarAsWhatIsAround) {
   constexpr Plain kBand{0.6};
   const SweepPicture left = see_wall(-1.0, kBand), middle = see_wall(0.0, kBand),
@@ -88,12 +88,12 @@ TEST(SweepDepths, NarrowPlainSurfacesAreAsFarAsWhatIsAround) {
     ++in_middle;
     near += std::abs(p.z() - kWall_m) < 0.5 ? 1U : 0U;
   }
-  EXPECT_GT(in_middle, 20U);  // of 40 blocks, of which those at the sides are not seen by both others
+  EXPECT_GT(in_middle, 20U);  // of 40 blocks; blocks at the sides are not in both other pictures
   EXPECT_GT(static_cast<double>(near), 0.9 * static_cast<double>(in_middle));
 }
 
-/// As a camera sees them that drives towards them.
-TEST(SweepDepths, PicturesFarApartTellOfWhatIsAhead) {
+/// Pictures of a camera that moves towards the wall.
+TEST(SweepDepths, PicturesFarApartMeasureSurfacesAhead) {
   const auto found = [](double step_m) {
     std::vector<SweepPicture> pictures;
     for (int i = -4; i <= 4; ++i) pictures.push_back(see_wall(0.0, kNothing, step_m * i));

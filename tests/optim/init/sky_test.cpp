@@ -9,7 +9,7 @@ namespace sky_test {
 
 constexpr int kWidth = 160, kHeight = 120, kHorizon = 60, kWallColumn = 110, kHouseColumn = 40;
 
-/// Looks along x of the world, z up; `turned` about the line of sight.
+/// Returns a view along x of the world, z up; `turned` about the line of sight.
 ImageView view(double turned_rad = 0.0) {
   const Camera camera{"front", kWidth, kHeight, 120.0, 120.0, 80.0, 60.0, ShutterKind::kGlobal};
   Eigen::Matrix3d world_from_camera;
@@ -21,13 +21,13 @@ ImageView view(double turned_rad = 0.0) {
 
 enum class Shown { kSky, kWire, kHouse, kWall, kRoad };
 
-/// A textured house to the left, a plain wall as bright as the sky to the right, both higher than the picture, a plain
-/// road, and a wire from border to border.
+/// A textured house on the left, a uniform wall as bright as the sky on the right, both higher than the
+/// picture, a uniform road, and a wire across the picture.
 Shown shown(int column, int row) {
   if (row >= kHorizon) return Shown::kRoad;
   if (column < kHouseColumn) return Shown::kHouse;
   if (column >= kWallColumn + 2) return Shown::kWall;
-  if (column >= kWallColumn) return Shown::kHouse;  // its corner
+  if (column >= kWallColumn) return Shown::kHouse;  // the corner of the house
   return row == 20 + column / 20 ? Shown::kWire : Shown::kSky;
 }
 
@@ -59,7 +59,7 @@ Image picture() {
   return image;
 }
 
-/// Places 10 m away in every fourth pixel of the lower quarter of all that stands.
+/// Returns positions 10 m away in every fourth pixel of the lower quarter of all surfaces.
 Eigen::Matrix3Xd returns(bool of_wall) {
   std::vector<Eigen::Vector3d> points;
   for (int row = 3 * kHorizon / 4; row < kHeight; row += 2) {
@@ -76,7 +76,7 @@ Eigen::Matrix3Xd returns(bool of_wall) {
   return out;
 }
 
-/// Share of what is shown there that is told to be sky.
+/// Returns the share of this content that is classified as sky.
 double share(const SkyMask& sky, Shown what) {
   std::size_t all = 0, told = 0;
   for (int row = 0; row < kHeight; ++row) {
@@ -96,7 +96,7 @@ TEST(FindSky, TellsSkyFromAWallOfItsColourByReturns) {
   EXPECT_EQ(share(sky, Shown::kWire), 0.0);
   EXPECT_LT(share(sky, Shown::kHouse), 0.001);
   EXPECT_EQ(share(sky, Shown::kRoad), 0.0);
-  // The returns decide: nothing else tells this wall from sky.
+  // Only the returns distinguish this wall from the sky.
   EXPECT_GT(share(find_sky(view(), picture(), {returns(false)}), Shown::kWall), 0.9);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A small street with its moving car.
+// A small street with a moving car.
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <stdlib.h>

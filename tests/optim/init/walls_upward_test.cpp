@@ -1,4 +1,4 @@
-// A wall beside a road that a LiDAR sees the foot of, as it drives past and from farther away.
+// Tests a wall beside a road whose foot a LiDAR measures from near and from farther away.
 #include "optim/init/walls_upward.hpp"
 
 #include <algorithm>
@@ -13,18 +13,18 @@ namespace walls_upward_test {
 
 constexpr double kVoxel_m = 0.1;
 constexpr double kWall_m = 6.0;   // y
-constexpr double kHalf_m = 5.0;   // of its length along x
+constexpr double kHalf_m = 5.0;   // half length along x
 constexpr double kLidar_m = 1.8;  // above the ground
 
 struct Situation {
-  double top_m = 20.0;       // of the wall
-  double behind_m = 0.0;     // y of a higher wall behind it; 0: the sky, which returns nothing
-  double back_away_m = 0.0;  // y of the LiDAR's path, to the other side, of every second sweep
-  bool is_list = false;      // the sweeps tell no neighbours
+  double top_m = 20.0;       // top of the wall
+  double behind_m = 0.0;     // y of a higher wall behind it; 0: the sky, without returns
+  double back_away_m = 0.0;  // y of the LiDAR's trajectory in every second sweep, on the other side
+  bool is_list = false;      // the sweeps have no neighbours
   double up_m = 3.0;
 };
 
-/// Rows from 20 degrees below the horizon to 5 above.
+/// Returns a LiDAR with beams from 20 degrees below the horizon to 5 above.
 Lidar lidar() {
   Lidar out;
   out.name = "side";
@@ -80,7 +80,7 @@ PointSet found(const Situation& situation) {
 
 TEST(WallsUpward, GoOnWhereNoRayPassed) {
   const PointSet points = found({});
-  // From 6 m away the laser gets 2.3 m high.
+  // At 6 m the LiDAR reaches a height of 2.3 m.
   ASSERT_GT(points.size(), 500U);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3f p = points.position.col(static_cast<Eigen::Index>(i));
@@ -94,10 +94,10 @@ TEST(WallsUpward, GoOnWhereNoRayPassed) {
 }
 
 TEST(WallsUpward, EndWhereRaysFoundTheSky) {
-  // A wall of which the laser sees the top: the rays above it don't return.
+  // The LiDAR measures the top of the wall: rays above it do not return.
   EXPECT_EQ(found({.top_m = 2.0}).size(), 0U);
-  // It looks over the wall from farther away alone.
-  for (const double away_m : {12.0, 70.0}) {  // from where rows are 0.2 and 0.7 m apart
+  // Only from farther away rays pass above the wall.
+  for (const double away_m : {12.0, 70.0}) {  // distances with beams 0.2 and 0.7 m apart
     const PointSet far = found({.top_m = 2.6, .back_away_m = away_m});
     for (std::size_t i = 0; i < far.size(); ++i)
       EXPECT_LT(far.position(2, static_cast<Eigen::Index>(i)), 2.6 + std::max(0.3, 0.01 * away_m));
@@ -106,7 +106,7 @@ TEST(WallsUpward, EndWhereRaysFoundTheSky) {
 
 TEST(WallsUpward, EndWhereRaysMetWhatIsBehind) {
   const PointSet points = found({.top_m = 2.0, .behind_m = 9.0});
-  ASSERT_GT(points.size(), 0U);  // that goes on itself
+  ASSERT_GT(points.size(), 0U);  // of the wall behind
   EXPECT_GT(points.position.row(1).minCoeff(), 8.9F);
 }
 

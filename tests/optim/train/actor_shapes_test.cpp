@@ -1,4 +1,4 @@
-// Shapes of actors that are not rigid: who has one, and how it is learned.
+// Tests shapes of non-rigid actors: their selection and training.
 #include "optim/actors/actor_shapes.hpp"
 
 #include <cmath>
@@ -27,7 +27,7 @@ TEST(ActorShapes, AreThoseOfPeopleAndRiders) {
     EXPECT_TRUE(is_non_rigid(one(kind, person))) << kind;
   for (const char* const kind : {"car", "van", "truck", "sign", "vehicle.bus.rigid"})
     EXPECT_FALSE(is_non_rigid(one(kind, person))) << kind;
-  // Of what was found the size alone is known.
+  // For found actors only the size is known.
   EXPECT_TRUE(is_non_rigid(one("moving", person)));
   EXPECT_TRUE(is_non_rigid(one("moving", {0.6, 1.9, 1.8})));
   EXPECT_FALSE(is_non_rigid(one("moving", car)));
@@ -47,7 +47,7 @@ TEST(ActorShapes, LastAsLongAsTheirTracks) {
   validate(actors[1], "prepared");
 }
 
-/// Learns that all nodes go ahead by 0.2 m and back, from frames every 0.1 s but for every third.
+/// Trains on nodes that move ahead by 0.2 m and back, with frames every 0.1 s except every third.
 TEST(ActorShapes, FollowGradientsAndGoOnBetweenFrames) {
   std::vector<Actor> actors{one("pedestrian", {0.8, 0.6, 1.7})};
   prepare_shapes(actors);
@@ -72,7 +72,7 @@ TEST(ActorShapes, FollowGradientsAndGoOnBetweenFrames) {
   }
   EXPECT_LT(seen, 0.03);
   EXPECT_LT(unseen, 0.06);
-  // What nothing pulls at stays.
+  // Parameters without gradients are unchanged.
   EXPECT_EQ(actors[0].deformation.at(2.55)[1], 0.0);
 }
 
@@ -95,7 +95,7 @@ TEST(ActorShapes, GoOnFromACheckpoint) {
   second.step(again, gradients(7), 2.3, 2.4, 0.2);
   for (const std::size_t actor : {0U, 2U})
     EXPECT_EQ(actors[actor].deformation.offsets_m, again[actor].deformation.offsets_m);
-  // What is no number moves nothing.
+  // NaN gradients have no effect.
   auto bad = gradients(1);
   bad[0].start[5] = std::nan("");
   const std::vector<double> before = actors[0].deformation.offsets_m;

@@ -1,4 +1,4 @@
-// Neighbours found by the tree against all distances computed, and the anchoring loss against differences.
+// Tests the tree's neighbours against all distances, and the anchoring loss against differences.
 #include "optim/train/paper/anchor_stage.hpp"
 
 #include <algorithm>
@@ -40,8 +40,8 @@ Points cloud(std::size_t count, double spread, std::uint64_t seed) {
   return points;
 }
 
-/// Numbers of the K nearest, by distance, ties by number: in the kernel's precision and order of sums, so
-/// that the same bits are compared.
+/// Returns the indices of the K nearest, by distance, then by index, in the kernel's precision and order of
+/// sums, so that equal bits are compared.
 template <class T>
 std::vector<std::uint32_t> brute_force(const Points& queries, const Points& points, double reach) {
   std::vector<std::uint32_t> result;
@@ -162,7 +162,7 @@ TEST_P(Anchor, FollowsParticlesToOtherPlaces) {
   const GaussianSet points = set_at(SetKind::kLidar, cloud(900, 5.0, 12));
   const std::vector<Eigen::Index> query_order = coherent_order(queries), point_order = coherent_order(points);
   AnchorStage moved(device_, GetParam(), kNeighbours), anew(device_, GetParam(), kNeighbours);
-  // Some find fewer than K within reach.
+  // Some have fewer than K neighbours within reach.
   moved.assign({device_, queries, GetParam()}, {device_, points, GetParam()}, 2.0);
   moved.follow_set(query_order);
   moved.follow_targets(point_order);
@@ -174,7 +174,7 @@ TEST_P(Anchor, FollowsParticlesToOtherPlaces) {
   EXPECT_FALSE(std::is_sorted(point_order.begin(), point_order.end()));
 }
 
-/// Every third of the background, the others of two actors.
+/// A third of the particles belong to the background, the others to two actors.
 std::vector<std::uint32_t> actors_of(Eigen::Index count) {
   std::vector<std::uint32_t> actor;
   for (Eigen::Index i = 0; i < count; ++i) actor.push_back(static_cast<std::uint32_t>(i * 7 % 3));
@@ -184,7 +184,7 @@ std::vector<std::uint32_t> actors_of(Eigen::Index count) {
 TEST_P(Anchor, NeighboursAreOfTheSameActor) {
   const Points queries = cloud(200, 4.0, 1), points = cloud(3000, 4.0, 2);
   AnchorStage anchor(device_, GetParam(), kNeighbours);
-  // Actors in both sets, in one of them, in none.
+  // Actors in both sets, in one set, in none.
   for (const int which : {3, 2, 1, 0}) {
     GaussianSet set = set_at(SetKind::kCamera, queries), targets = set_at(SetKind::kLidar, points);
     if (which & 1) set.actor = actors_of(set.size());
@@ -195,7 +195,7 @@ TEST_P(Anchor, NeighboursAreOfTheSameActor) {
       return s.actor.empty() ? 0 : s.actor[i];
     };
     for (std::uint32_t actor = 0; actor < 3; ++actor) {
-      // Brute force over that actor's points alone.
+      // Brute force over the points of this actor.
       Points own;
       std::vector<std::uint32_t> number;
       for (std::size_t i = 0; i < points.size(); ++i) {
@@ -229,7 +229,7 @@ TEST_P(Anchor, ACandidateThatChangedItsActorPullsNobody) {
   ParticleBuffers others(device_, targets, GetParam());
   AnchorStage anchor(device_, GetParam(), kNeighbours);
   anchor.assign(particles, others, kAnywhere);
-  // The nearest of the first is relocated to the background, and so is all that the second has.
+  // Relocates the nearest of the first, and all points of the second, to the background.
   targets.actor = {0, 1, 2};
   others.upload(targets);
   const Buffer<std::uint32_t> keys(device_, "keys", std::vector<std::uint32_t>(2, 1U));
@@ -245,7 +245,7 @@ TEST_P(Anchor, ACandidateThatChangedItsActorPullsNobody) {
   }
 }
 
-/// Camera particles anchored to LiDAR ones that have moved since.
+/// Camera particles anchored to LiDAR particles that have moved since.
 struct MovedScene {
   GaussianSet set, targets;
   std::vector<std::uint32_t> keys;  // every seventh is culled
@@ -318,13 +318,13 @@ TEST_P(Anchor, GradientMatchesDifferencesOfTheDistanceToTheNearestCandidate) {
       EXPECT_NEAR(found[static_cast<std::size_t>(row) * set.stride + i], expected, tolerance);
     }
   }
-  EXPECT_GT(changed, 10U);  // the nearest of the time of assignment would not do
+  EXPECT_GT(changed, 10U);  // the nearest at assignment is not sufficient
   EXPECT_EQ(loss.particles, anchored);
   EXPECT_NEAR(loss.distance_m, sum, 1e-6 * sum);
   EXPECT_GT(anchored, 50.0);
   EXPECT_LT(anchored, static_cast<double>(scene.keys.size()) - 20.0);  // culled, or out of reach
 
-  // Without choosing, the nearest stays the one it was, wherever it goes.
+  // Without a new choice the assigned neighbour remains, wherever it moves.
   move_targets(scene.targets);
   targets.upload(scene.targets);
   anchor.add_gradient(set, targets, keys, kWeight, false, grads);

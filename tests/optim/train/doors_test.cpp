@@ -1,5 +1,5 @@
-// Every key with every class of value, through the doors by which settings come in: those of frames,
-// trainings and evaluations. Programs, Python and C call these functions, and no others.
+// Tests each key with each class of values in the functions that read settings of frames, trainings and
+// evaluations. Programs, Python and C only call these functions.
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -18,11 +18,11 @@ namespace doors_test {
 
 struct Door {
   const char* name;
-  std::vector<Field> fields;  // that it lists
+  std::vector<Field> fields;  // listed fields
   std::function<void(const std::vector<std::string>&)> open;
 };
 
-/// Fields of options that live as long as the program.
+/// Fields of options with static lifetime.
 template <class Options>
 std::vector<Field> listed() {
   static Options options;
@@ -48,7 +48,7 @@ std::string text_of(const Field& field, double value) {
 
 bool is_list(const Field& field) { return std::holds_alternative<std::vector<std::string>*>(field.value); }
 
-/// The lowest and the highest that the key itself allows, and all names of an enum.
+/// Returns the minimum and maximum value of the key, and all names of an enum.
 std::vector<std::string> allowed(const Field& field) {
   if (is_list(field)) return {"", "front", "front,left"};
   if (!is_number(field)) return field.names.empty() ? std::vector<std::string>{"true", "false"} : field.names;
@@ -69,7 +69,7 @@ std::vector<std::string> refused(const Field& field) {
   return values;
 }
 
-/// What the door says of it; empty: nothing.
+/// Returns the error message for the settings; empty: accepted.
 std::string answer(const Door& door, const std::vector<std::string>& settings) {
   try {
     door.open(settings);
@@ -97,7 +97,7 @@ TEST(Doors, TakeWhatAKeyAllowsAndRefuseTheRestByItsName) {
       EXPECT_FALSE(allowed(field).empty()) << field.key;
       EXPECT_FALSE(refused(field).empty()) << field.key;
       EXPECT_EQ(answer_to(field.text()), "") << field.key;
-      // Another key may allow less.
+      // Another key may have a stricter limit.
       for (const std::string& value : allowed(field)) {
         const std::string said = answer_to(value);
         if (!said.empty()) expect_refused(said, field.key);
@@ -144,7 +144,7 @@ TEST(Doors, OfTrainingsRefuseByNameWhatHasNoGradients) {
   }
 }
 
-/// The part of the options that a key belongs to decides what it changes on the device.
+/// The options struct of a key determines the device data that the key changes.
 TEST(RenderOptionParts, AloneChangeWhatDependsOnThem) {
   const auto compiled = [](const RenderOptions& options) {
     std::string text;
@@ -157,7 +157,7 @@ TEST(RenderOptionParts, AloneChangeWhatDependsOnThem) {
     RenderOptions options;
     const Fields fields = fields_of(options);
     std::vector<std::string> others = allowed(listed);
-    others.emplace_back("0.25");  // numbers without bounds
+    others.emplace_back("0.25");  // numbers without limits
     for (const std::string& other : others)
       if (listed.text() == fields.find(listed.key)->text()) (void)fields.find(listed.key)->set(other);
     const auto is_same = [&]<class Part>(const Part& part) {
@@ -169,7 +169,7 @@ TEST(RenderOptionParts, AloneChangeWhatDependsOnThem) {
                frames = is_same.operator()<FrameOptions>(options),
                precision = options.precision == usual.precision;
     EXPECT_EQ(uploads + rays + programs + frames + precision, 4) << listed.key;
-    // Two are the frame's kind: whether there is detail, and the median of a LiDAR's.
+    // Two keys change the kind of frame: levels of detail, and the median of a LiDAR frame.
     if (listed.key == "render.detail" || listed.key == "render.median_distance") continue;
     EXPECT_EQ(compiled(options) == compiled(usual), programs && precision) << listed.key;
   }

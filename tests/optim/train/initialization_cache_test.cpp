@@ -1,4 +1,4 @@
-// A start that is kept is the one that would be made anew, and no other one's.
+// Tests that a cached initialisation equals a new one for the same inputs.
 #include "optim/train/initialization_cache.hpp"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A variable of the environment, as long as this lives.
+/// Sets an environment variable during its lifetime.
 class Variable {
  public:
   Variable(const char* name, const std::string& value) : name_(name) {
@@ -46,7 +46,7 @@ class InitializationCacheTest : public test::StreetWithCar {
     for (const auto& entry : fs::directory_iterator(scratch_ / "starts")) all.push_back(entry.path());
     return all;
   }
-  /// Whether a step had to be made, and not found.
+  /// Returns whether a step was computed, not found in the cache.
   bool made(const Log& log, FrameSelection frames = {}) {
     const Variable own = own_folder();
     bool is_made = false;
@@ -66,7 +66,7 @@ class InitializationCacheTest : public test::StreetWithCar {
     return is_made;
   }
 
-  /// What a training of that many iterations makes, and the stages that it told of.
+  /// Result of a training with this number of iterations, and its reported stages.
   struct Trained {
     SceneFile file;
     TrainingReport report;
@@ -111,7 +111,7 @@ TEST_F(InitializationCacheTest, StepsAreKnownByAllThatTheyRead) {
   EXPECT_TRUE(made(log_));
   EXPECT_FALSE(made(log_));
   EXPECT_TRUE(made(log_, {.seed = 2}));
-  EXPECT_TRUE(made(log_, {.counts_by_sensor = false}));  // has no key of users
+  EXPECT_TRUE(made(log_, {.counts_by_sensor = false}));  // not user-settable
   Log other = log_;
   other.sweeps[0].time_end_s = std::nextafter(other.sweeps[0].time_end_s, 1.0);  // less than a nanosecond
   EXPECT_TRUE(made(other));
@@ -170,7 +170,7 @@ TEST_F(InitializationCacheTest, WhatWasAskedForLongestAgoGoes) {
   const fs::path first = files().front();
   const auto now = fs::file_time_type::clock::now();
   const fs::path large = scratch_.file("starts/large.start", "");
-  fs::resize_file(large, InitializationCache::kMost - 100);  // takes no room on the disk
+  fs::resize_file(large, InitializationCache::kMost - 100);  // sparse file without disk usage
   fs::last_write_time(large, now - std::chrono::hours(1));
   fs::last_write_time(first, now - std::chrono::hours(2));
   EXPECT_FALSE(made(log_));
@@ -207,7 +207,7 @@ TEST_F(InitializationCacheTest, ATrainingFromAKeptStartMakesTheSameBits) {
   EXPECT_EQ(kept.report.found.moving_returns, expected.report.found.moving_returns);
   EXPECT_EQ(kept.report.path.refined_m, expected.report.path.refined_m);
   EXPECT_GT(kept.report.path.refined_m, 0.0);
-  // Whose checkpoint it was makes no difference.
+  // The origin of the checkpoint makes no difference.
   const Trained longer = trained(options(9), checkpoint);
   EXPECT_FALSE(longer.stages.contains("initialise"));
   fresh.train.iterations = 12;

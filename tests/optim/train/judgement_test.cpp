@@ -25,11 +25,11 @@ void expect_warning(const TrainReport& report, const std::string& part) {
 TEST(Judgement, SoundTrainingsAreLeftAlone) {
   EXPECT_TRUE(judge(sound()).warnings.empty());
   EXPECT_EQ(judge(sound()).failure, "");
-  TrainReport report = sound();  // of a few iterations nothing is known
+  TrainReport report = sound();  // a few iterations give no verdict
   report.last.iteration = 3;
   report.last.psnr_db = 12.0;
   EXPECT_TRUE(judge(report).warnings.empty());
-  report = sound();  // pictures of one colour: particles begin with it
+  report = sound();  // pictures of one colour, which particles have from the start
   for (const double begin_dB : {91.5, std::numeric_limits<double>::infinity()}) {
     report.begin.psnr_db = begin_dB;
     report.last.psnr_db = 54.5;
@@ -48,9 +48,9 @@ TEST(Judgement, WhatIsWrongIsSaid) {
   report.last.psnr_db = 18.0;
   expect_warning(report, "fell from 20.9 to 18.0 dB");
   report = sound();
-  report.last.psnr_db = 21.3;  // pictures in another order
+  report.last.psnr_db = 21.3;  // pictures in a wrong order
   expect_warning(report, "order of pictures");
-  report.first_iteration = 100;  // one that goes on, where little is left to gain
+  report.first_iteration = 100;  // resumed, with little further gain
   EXPECT_TRUE(judge(report).warnings.empty());
   report = sound();
   report.last.distance_m = 3.9;

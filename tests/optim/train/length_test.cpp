@@ -1,4 +1,4 @@
-// Trainings that decide how long they go on.
+// Tests trainings of automatic length.
 #include "optim/train/length.hpp"
 
 #include <cmath>
@@ -18,13 +18,14 @@ constexpr LengthOptions kDoubling{.automatic = true, .growth = 2.0, .gain_db = 0
 
 TEST(TrainLength, TheFirstStageIsAsLongAsItsFramesAskFor) {
   EXPECT_EQ(TrainLength(kDoubling, 40, 50, 50).first(), 400);
-  EXPECT_EQ(TrainLength(kDoubling, 4, 5, 5).first(), 100);  // rates do not run down in less
+  EXPECT_EQ(TrainLength(kDoubling, 4, 5, 5).first(), 100);  // minimum for the decay of learning rates
   LengthOptions capped = kDoubling;
   capped.most = 60;
   EXPECT_EQ(TrainLength(capped, 40, 50, 50).first(), 60);
 }
 
-/// Iterations at the end of all stages when the frames are off by square(n) and loss(n) after n iterations.
+/// Returns the iterations at the ends of all stages for frame errors square(n) and loss(n) after n
+/// iterations.
 template <class Square, class Loss>
 std::vector<int> stages_of(const LengthOptions& options, const Square& square, const Loss& loss) {
   TrainLength length(options, 10, 2, 1);
@@ -40,13 +41,13 @@ std::vector<int> stages_of(const LengthOptions& options, const Square& square, c
 constexpr auto kStill = [](int) { return 1.0; };
 
 TEST(TrainLength, GoesOnAsLongAsOneSetGains) {
-  // A dB per doubling until 400 iterations, nothing from there.
+  // One dB per doubling until 400 iterations, then none.
   const auto square = [](int n) { return std::pow(10.0, -0.1 * std::log2(std::min(n, 400))); };
   EXPECT_EQ(stages_of(kDoubling, square, kStill), (std::vector{100, 200, 400, 800}));
   EXPECT_EQ(stages_of(kDoubling, kStill, kStill), (std::vector{100, 200}));
   const auto loss = [](int n) { return std::pow(0.9, std::log2(std::min(n, 200))); };
   EXPECT_EQ(stages_of(kDoubling, kStill, loss), (std::vector{100, 200, 400}));
-  // Half a dB in a stage that is longer by half is more than that per doubling.
+  // Half a dB in a stage that is half longer is more than half a dB per doubling.
   LengthOptions shorter = kDoubling;
   shorter.growth = 1.5;
   const auto slow = [](int n) { return std::pow(10.0, -0.06 * std::log2(n)); };
@@ -101,7 +102,7 @@ TEST_F(AutoTraining, IsTheChainOfItsStages) {
   const TrainingRecord record = *automatic.result().training;
   EXPECT_EQ(record.iterations, 144);
   EXPECT_EQ(record.planned_iterations, 144);
-  // Trainings that are told to, each going on from the end of the one before.
+  // Trainings with these lengths, each resumed from the end of the previous one.
   o.train.length.automatic = false;
   const std::filesystem::path file = folder_ / "chain.checkpoint";
   std::optional<Scene> last;
@@ -119,7 +120,7 @@ TEST_F(AutoTraining, GoesOnFromItsCheckpointsWithTheSameBits) {
   const TrainingOptions o = options();
   Training whole(test::device(), log_, o);
   whole.run([&](const TrainStatus& status) {
-    // In the first stage, at its very end, in the last.
+    // In the first stage, at its end, in the last stage.
     for (const int at : {50, 100, 130}) {
       if (status.iteration == at) whole.save(folder_ / fmt::format("auto_{}.checkpoint", at));
     }

@@ -1,4 +1,4 @@
-// What a camera's mask hides tells training and scores nothing.
+// Tests that masked pixels have no effect on training and scores.
 #include <gtest/gtest.h>
 
 #include "host/core/record/support_record.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 class MaskedTest : public test::SmallStreet {
  protected:
-  /// The street with noise in the lower rows of all its pictures, as a hood would be there.
+  /// Returns the street with noise in the lower rows of all pictures, in place of the ego vehicle.
   static Log with_noise(const std::string& name, std::uint64_t seed, bool masked) {
     Log log = log_;
     std::map<std::string, std::filesystem::path> files;
@@ -83,7 +83,7 @@ TEST_F(MaskedTest, WhatIsHiddenChangesNoBit) {
     EXPECT_EQ(scores_a.ssim, scores_b.ssim);
     EXPECT_GT(scores_a.ssim, 0.2);
   }
-  // Without the mask it would be learned, and scored.
+  // Without the mask the noise is trained and scored.
   const Log open = with_noise("open", 1, false);
   const SceneFile smeared = trained(open, options(1.0));
   EXPECT_LT(Evaluation(test::device(), smeared, open, {}).run().psnr_db, masked_db - 1.0);

@@ -1,4 +1,4 @@
-// Views from beside the path, whose truth the street knows.
+// Tests off-trajectory views, with ground truth of the street.
 #include <gtest/gtest.h>
 
 #include "optim/train/trainer.hpp"
@@ -22,7 +22,7 @@ class OffTrajectoryTest : public test::SmallStreet {
     static_cast<void>(trainer.run());
     return trainer.scene();
   }
-  /// The street as it is one metre to the left of the path.
+  /// Returns the street one metre to the left of the trajectory.
   static Log beside() {
     StreetOptions options;
     options.output = folder_ / "beside.log";

@@ -1,4 +1,4 @@
-// Every check of the options that users set, by its key.
+// Tests each check of user options, by its key.
 #include <functional>
 #include <limits>
 #include <set>

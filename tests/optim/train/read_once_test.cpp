@@ -1,4 +1,4 @@
-// How often a training reads its frames.
+// Tests how often a training reads its frames.
 #include <gtest/gtest.h>
 
 #include "io/log/frame_files.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 class ReadOnceTest : public test::SmallStreet {
  protected:
-  /// The start and some steps, keeping little on the device.
+  /// Runs initialisation and some steps with a small frame budget on the device.
   static Scene trained(const Log& log) {
     TrainingOptions o;
     o.frames.image_scale = 1.0;
@@ -37,7 +37,7 @@ TEST_F(ReadOnceTest, EachFrameIsReadOnceAndNothingElseChanges) {
   EXPECT_EQ(log.files->kept_bytes(), frame_bytes(log, kFullSize));
   EXPECT_TRUE((kept.camera.params.array() == read.camera.params.array()).all());
   EXPECT_TRUE((kept.lidar.params.array() == read.lidar.params.array()).all());
-  // With no budget they are read ahead, and nothing changes either.
+  // Without a budget frames are read ahead, and the result is equal.
   log.files = std::make_shared<FrameFiles>(0);
   const Scene ahead = trained(log);
   EXPECT_GT(log.files->reads(), log.images.size() + log.sweeps.size());

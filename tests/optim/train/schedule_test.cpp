@@ -35,14 +35,14 @@ TEST(FrameOrder, DrawsDependOnSeedStreamAndIterationAlone) {
   FrameOrder order(frames, 1, 1), same(frames, 1, 1), other_seed(frames, 2, 1), other_stream(frames, 1, 2);
   const auto third = epoch(order, 3);
   (void)epoch(order, 0);
-  EXPECT_EQ(epoch(order, 3), third);  // asked for out of order
+  EXPECT_EQ(epoch(order, 3), third);  // requested in another order
   EXPECT_EQ(epoch(same, 3), third);
   EXPECT_NE(epoch(other_seed, 3), third);
   EXPECT_NE(epoch(other_stream, 3), third);
 }
 
 TEST(FrameOrder, FirstPlacesAreShared) {
-  // Each of 4 frames comes first about equally often; 400 epochs, binomial: 100 +- 8.7, five sigma.
+  // Each of 4 frames is first about equally often; 400 epochs, binomial: 100 +- 8.7, five sigma.
   FrameOrder order({0, 1, 2, 3}, 7, 1);
   std::vector<int> count(4, 0);
   for (std::uint64_t e = 0; e < 400; ++e) ++count[order.at(4 * e)];
@@ -65,7 +65,7 @@ TEST(RowRates, EachGroupHasItsRate) {
   EXPECT_NEAR(half[kShRow + 3], 0.1 * rates.sh_rest, 1e-12);
   EXPECT_EQ(row_rates(rates, 0, 0.0)[kMeanRow], 1e-2);
   EXPECT_EQ(row_rates(rates, 0, 0.0)[kOpacityRow], rates.opacity);
-  // Over the last fifth they fall to half of that.
+  // Over the last fifth they decrease to half of that.
   EXPECT_NEAR(row_rates(rates, 0, 0.8)[kOpacityRow], std::pow(0.01, 0.8) * rates.opacity, 1e-12);
   EXPECT_NEAR(row_rates(rates, 0, 0.9)[kOpacityRow], 0.75 * std::pow(0.01, 0.9) * rates.opacity, 1e-12);
   EXPECT_NEAR(row_rates(rates, 0, 1.0)[kMeanRow], 0.5e-4, 1e-15);
@@ -109,7 +109,7 @@ TEST(LruCache, DropsWhatWasUsedLongestAgo) {
   };
   const std::shared_ptr<const int> held = get(1, 40);
   get(2, 40);
-  get(1, 40);  // now 2 is the oldest
+  get(1, 40);  // now 2 is the oldest entry
   EXPECT_EQ(made, 2);
   get(3, 40);
   EXPECT_EQ(cache.used_bytes(), 80U);
@@ -117,11 +117,11 @@ TEST(LruCache, DropsWhatWasUsedLongestAgo) {
   EXPECT_EQ(made, 3);
   get(2, 40);
   EXPECT_EQ(made, 4);
-  get(4, 101);  // larger than the budget: handed out, not kept, and nothing makes room for it
+  get(4, 101);  // larger than the budget: returned, not cached, and evicts no entry
   EXPECT_EQ(cache.size(), 2U);
   get(5, 100);
   EXPECT_EQ(cache.size(), 1U);
-  EXPECT_EQ(*held, 1);  // dropped from the cache, alive where it is held
+  EXPECT_EQ(*held, 1);  // evicted from the cache, kept alive by its holder
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Several frames a step: the same bits however many ranks share them.
+// Tests several frames per step: equal bits for any number of ranks.
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ namespace {
 class ShardsTest : public test::SmallStreet {
  protected:
   static constexpr int kIterations = 12;
-  /// All that has a gradient, and all that changes what there is.
+  /// Enables all gradients and all changes of the set.
   static TrainingOptions options(int shards) {
     TrainingOptions o;
     o.train.iterations = kIterations;
@@ -36,7 +36,7 @@ class ShardsTest : public test::SmallStreet {
     o.train.ray_drop.apart = 2;
     return o;
   }
-  /// With an environment, and an actor that stands still, to which every third particle belongs.
+  /// Returns a scene with an environment and a static actor that owns every third particle.
   static Scene start() {
     Scene scene = initial_scene();
     scene.environment = {32, 16, std::vector<float>(std::size_t{3} * 32 * 16, 0.5F)};
@@ -57,13 +57,13 @@ class ShardsTest : public test::SmallStreet {
     std::ifstream in(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
-  /// One after the other: drivers are not all ready to be looked for by several threads.
+  /// One after the other: not all drivers support concurrent opening.
   static std::vector<Device> opened(std::size_t count) {
     std::vector<Device> devices;
     for (std::size_t i = 0; i < count; ++i) devices.push_back(Device::best());
     return devices;
   }
-  /// The whole state behind a training of `ranks` threads, each with its own view of the device.
+  /// Returns the complete state of a training with `ranks` threads, each with its own device object.
   static std::string state(const TrainingOptions& o, std::size_t ranks, const std::string& resumed = "") {
     const std::filesystem::path file = folder_ / "shards.state";
     const std::vector<Device> devices = opened(ranks);
@@ -87,7 +87,7 @@ TEST_F(ShardsTest, AnyNumberOfRanksGivesTheSameBits) {
   const TrainingOptions o = options(4);
   const std::string alone = state(o, 1);
   EXPECT_GT(alone.size(), 1'000'000U);
-  // Of three, two have nothing to do in the second round.
+  // With three ranks, two have no shard in the second round.
   for (const std::size_t ranks : {2U, 3U, 4U}) EXPECT_TRUE(state(o, ranks) == alone) << ranks;
   EXPECT_TRUE(state(o, 1, "half_3.state") == alone) << "goes on alone";
   EXPECT_TRUE(state(o, 2, "half_4.state") == alone) << "goes on with two";
@@ -97,19 +97,19 @@ TEST_F(ShardsTest, AnyNumberOfRanksGivesTheSameBits) {
 }
 
 TEST_F(ShardsTest, AStepTakesTheMeanOfItsFrames) {
-  // One frame, so that all shards see the same: what a step of one shard does.
+  // One frame, so that all shards have equal data: the result of a step with one shard.
   Log log = log_;
   log.images.resize(1);
   log.sweeps.resize(1);
   TrainingOptions o;
   o.train.iterations = 3;
-  o.train.lidar.log_scale /= 3.0;  // as slow as in a long training: thirds round by a step
+  o.train.lidar.log_scale /= 3.0;  // slow, as in a long training: thirds have rounding errors
   o.train.shards.rate_power = 0.0;
   o.train.densify.epochs = 0.0;
-  o.train.ray_drop.rate = 0.0;                     // several steps of the function a sweep
-  o.train.appearance.color_grids = ColorGridsOf::kNone;  // each picture's moves once for each shard
-  o.train.off_trajectory.weight = 0.0;                     // each shard's from a place of its own
-  o.train.depth.weight = 0.0;                      // each shard's of a part of the sweep
+  o.train.ray_drop.rate = 0.0;  // several steps of the function per sweep
+  o.train.appearance.color_grids = ColorGridsOf::kNone;  // each picture's grid moves once per shard
+  o.train.off_trajectory.weight = 0.0;  // each shard uses another view
+  o.train.depth.weight = 0.0;  // each shard uses another part of the sweep
   o.frames.held_out_every = 0;
   const auto scene = [&](int shards) {
     o.train.shards.count = shards;
@@ -126,7 +126,7 @@ TEST_F(ShardsTest, AStepTakesTheMeanOfItsFrames) {
 }
 
 TEST_F(ShardsTest, FramesAreSeenInTheOrderOfOneShard) {
-  // As many frames with four a step as with one: the newest loss of each picture is there either way.
+  // As many frames with four per step as with one: both have the latest loss of each picture.
   TrainingOptions o = options(4);
   Trainer trainer(Device::best(), log_, start(), o);
   trainer.step();

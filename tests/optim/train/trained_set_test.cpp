@@ -1,4 +1,4 @@
-// What belongs to a particle goes with it when it takes another place.
+// Tests that all data of a particle move with it.
 #include "optim/train/trained_set.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr Eigen::Index kCount = 333;
 
-/// Particles in no order; in all that belongs to particle i stand i and the row.
+/// Particles in random order; all data of particle i contain i and the row.
 struct Numbered {
   Numbered() : trained(test::device(), set(), {}, {}) {
     const std::size_t stride = trained.particles.stride;
@@ -33,7 +33,7 @@ struct Numbered {
     for (Eigen::Index i = 0; i < kCount; ++i) out.actor.push_back(i % 3 == 0 ? 1 : 0);
     return out;
   }
-  /// That everything stands where `order` says.
+  /// Expects that all data are in the order of `order`.
   void expect(const std::vector<Eigen::Index>& order) {
     const GaussianSet found = trained.particles.download(), expected = subset(set(), order);
     EXPECT_EQ(found.params, expected.params);

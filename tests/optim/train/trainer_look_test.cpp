@@ -1,4 +1,4 @@
-// Environment, colour grids and the losses beside them, in training.
+// Tests environment, bilateral grids and their regularisation in training.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,7 +32,7 @@ class TrainerLook : public test::SmallStreet {
     init.environment_width = 32;
     return initialize_scene(log_, kFullSize, init).scene;
   }
-  /// The street as a camera with a will of its own takes it: every other picture at 0.6 of its brightness.
+  /// Returns the street from a camera with changing exposure: every other picture at 0.6 of its brightness.
   static Log flickering_log() {
     Log log = log_;
     log.folder = folder_ / "flickering.log";
@@ -50,7 +50,7 @@ class TrainerLook : public test::SmallStreet {
   }
 };
 
-/// Of a grid's matrices, their diagonals' mean.
+/// Returns the mean of the diagonals of a grid's matrices.
 double mean_gain(const ColorGrids& grids, std::size_t frame) {
   const std::size_t count = grids.values_per_frame();
   double sum = 0.0;
@@ -82,7 +82,7 @@ TEST_F(TrainerLook, SameSeedGivesTheSameBits) {
 
 TEST_F(TrainerLook, WallsThatNoPictureShowsKeepTheirColours) {
   const Scene start = scene_with_environment();
-  // By number of times: particles move, and so does their order.
+  // By their index: particles move, and their order changes.
   const auto colours_of = [](const GaussianSet& set, const std::vector<Eigen::Index>& of) {
     std::map<std::array<float, 3>, int> times;
     for (const Eigen::Index i : of) ++times[{set.sh(0)(i, 0), set.sh(0)(i, 1), set.sh(0)(i, 2)}];
@@ -113,7 +113,7 @@ TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
   o.train.appearance.environment_rate = 0.05;
   Trainer trainer(test::device(), log_, scene, o);
   const TrainReport report = trainer.run();
-  // The camera looks along +x: the middle of the texture, above the horizon.
+  // The camera points along +x: the middle of the texture, above the horizon.
   const EnvironmentMap& learned = trainer.scene().environment;
   const std::size_t ahead = 3 * static_cast<std::size_t>(5 * learned.width + learned.width / 2);
   for (std::size_t c = 0; c < 3; ++c)
@@ -122,7 +122,7 @@ TEST_F(TrainerLook, TheEnvironmentTakesOnTheSky) {
 }
 
 TEST_F(TrainerLook, TheEnvironmentKeepsTheGroundsColoursAndIsNoStandInForIt) {
-  // Particles that let most of what is behind them through.
+  // Particles with high transmittance.
   Scene start = scene_with_environment();
   start.camera.opacity_logit().setConstant(-1.0F);
   const auto train = [&](bool has_lidars) {
@@ -131,14 +131,14 @@ TEST_F(TrainerLook, TheEnvironmentKeepsTheGroundsColoursAndIsNoStandInForIt) {
     TrainingOptions o = options(60);
     o.train.depth.weight = o.train.off_trajectory.weight = 0.0;
     o.train.lidar_every = 1000;
-    o.train.camera.log_scale /= 3.0;  // as slow as in a long training: else particles grow over the holes
+    o.train.camera.log_scale /= 3.0;  // as slow as in a long training: otherwise particles grow over the holes
     Trainer trainer(test::device(), log, start, o);
     trainer.run();
     return trainer.scene();
   };
   const Scene with = train(true), without = train(false);
   const EnvironmentMap& learned = with.environment;
-  const auto ground = static_cast<std::size_t>(3 * learned.width * 9);  // of 16 rows, 11 degrees each
+  const auto ground = static_cast<std::size_t>(3 * learned.width * 9);  // of 16 rows of 11 degrees
   const auto differs = [&](const Scene& scene, std::size_t from, std::size_t to) {
     std::size_t count = 0;
     for (std::size_t i = from; i < to; ++i) {
@@ -149,7 +149,7 @@ TEST_F(TrainerLook, TheEnvironmentKeepsTheGroundsColoursAndIsNoStandInForIt) {
   EXPECT_GT(differs(with, 0, ground), 100U);
   EXPECT_EQ(differs(with, ground, learned.texels.size()), 0U);
   EXPECT_GT(differs(without, ground, learned.texels.size()), 30U);
-  // Of the picture's lowest quarter, the road.
+  // Opacity of the picture's lowest quarter, the road.
   const auto opacity = [&](const Scene& scene) {
     SceneOnDevice on_device(test::device(), scene);
     const ImageFrame& image = log_.images[0];
@@ -165,9 +165,9 @@ TEST_F(TrainerLook, TheEnvironmentKeepsTheGroundsColoursAndIsNoStandInForIt) {
   EXPECT_GT(opacity(with), opacity(without) + 0.1) << opacity(with) << " and " << opacity(without);
 }
 
-/// Adam takes as long steps by a trace of a gradient as by all of it: texels of which pictures show a
-/// hundredth of a pixel would take on whatever is missing before them.
-TEST_F(TrainerLook, WhatPicturesHardlyShowKeepsItsColours) {
+/// Adam's steps do not depend on the scale of the gradient: texels with a weight of a hundredth of a pixel
+/// would compensate all errors in front of them.
+TEST_F(TrainerLook, BarelyVisibleTexelsKeepTheirColours) {
   Scene start = scene_with_environment();
   const auto moves = [&](double least_share) {
     TrainingOptions o = options(8);
@@ -179,17 +179,17 @@ TEST_F(TrainerLook, WhatPicturesHardlyShowKeepsItsColours) {
     return out;
   };
   const std::vector<float> all = moves(0.0), shown = moves(1.0);
-  std::vector<float> shares;  // of its way that a texel still goes
+  std::vector<float> shares;  // remaining share of a texel's motion
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i] > 1e-3F) shares.push_back(shown[i] / all[i]);
   }
   ASSERT_GT(shares.size(), 100U);
   std::sort(shares.begin(), shares.end());
-  EXPECT_LT(shares[shares.size() / 100], 0.2F);  // hardly shown
-  EXPECT_GT(shares[shares.size() / 2], 0.8F);    // shown well
+  EXPECT_LT(shares[shares.size() / 100], 0.2F);  // barely visible
+  EXPECT_GT(shares[shares.size() / 2], 0.8F);  // clearly visible
 }
 
-/// 120 iterations with fast grids: the scene, and the dB of the last pictures.
+/// Scene and PSNR of the last pictures after 120 iterations with fast grids.
 struct Look {
   Scene scene;
   double psnr_db = 0.0;
@@ -208,7 +208,7 @@ TEST_F(TrainerLook, CamerasHaveTintsOfTheirOwnWhereSeveralTrain) {
     o.train.appearance.color_grids = grids;
     return trained_appearance(log, initial_scene(), o);
   };
-  // Of one camera there is nothing to tell apart but its training pictures.
+  // One camera only has its training pictures to separate.
   EXPECT_EQ(train(ColorGridsOf::kAuto).scene.color_grids.frames.size(), 5U);
   log.cameras.push_back(log.cameras[0]);
   log.cameras[1].model.name = "dim";
@@ -235,12 +235,11 @@ TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
   const auto [graded, graded_psnr_db] = train(ColorGridsOf::kPictures);
   EXPECT_TRUE(plain.color_grids.empty());
   EXPECT_GT(graded_psnr_db, plain_psnr_db + 1.0);
-  // The dark pictures' grids are darker than their neighbours'.
+  // The grids of the dark pictures are darker than their neighbours'.
   const auto gain = [&grids = graded.color_grids](std::size_t frame) { return mean_gain(grids, frame); };
   EXPECT_LT(gain(1), gain(0) - 0.05);
   EXPECT_LT(gain(3), gain(2) - 0.05);
-  // The held-out picture (a bright one, number 4) goes through its neighbours' grids: what differs from it then
-  // is mostly a tint.
+  // The held-out picture (a bright one, number 4) uses its neighbours' grids: its error is mostly a tint.
   const EvalOptions once{.image_scale = 1.0, .timed_renders = 1};
   const EvalReport report = test::compare(log, graded, once);
   EXPECT_GT(report.psnr_corrected_db, report.psnr_db + 1.0);
@@ -249,7 +248,7 @@ TEST_F(TrainerLook, GridsTakeOnWhatDiffersFromPictureToPicture) {
 
 TEST_F(TrainerLook, GridsThatTakeFewStepsTakeLongOnes) {
   const Log log = flickering_log();
-  TrainingOptions o = options(20);  // four a grid
+  TrainingOptions o = options(20);  // four per grid
   o.train.appearance.color_grids = ColorGridsOf::kPictures;
   Trainer trainer(test::device(), log, initial_scene(), o);
   (void)trainer.run();
@@ -259,7 +258,7 @@ TEST_F(TrainerLook, GridsThatTakeFewStepsTakeLongOnes) {
   for (std::size_t i = 0; i < same.size(); ++i) {
     farthest = std::max(farthest, static_cast<double>(std::abs(grids.values[i] - same[i])));
   }
-  EXPECT_GT(farthest, 3.0 * 4.0 * o.train.appearance.grid_rate);  // Adam goes no farther than its rate in a step
+  EXPECT_GT(farthest, 3.0 * 4.0 * o.train.appearance.grid_rate);  // Adam moves at most its rate per step
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Training that is stored and goes on, and the memory a training needs.
+// Tests stored and resumed trainings, and the memory estimate.
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -38,7 +38,7 @@ TEST_F(TrainerStateTest, ResumedTrainingGivesTheSameBits) {
   const Scene expected = whole.scene();
   for (const int i : {4, 16}) {
     Trainer resumed(Device::best(), log_, initial_scene(), o);
-    resumed.step();  // what it did before does not matter
+    resumed.step();  // earlier steps have no effect
     resumed.resume(folder_ / fmt::format("{}.checkpoint", i), "settings=1\n");
     EXPECT_EQ(resumed.status().iteration, i + 1);
     const TrainReport report = resumed.run();
@@ -52,7 +52,7 @@ TEST_F(TrainerStateTest, ResumedTrainingGivesTheSameBits) {
     EXPECT_GT(report.pruned, 0U);
     EXPECT_EQ(resumed.lidar("top"), whole.lidar("top"));
   }
-  // Another training's state is refused: other settings, other parts.
+  // The state of another training is rejected: other settings, other parts.
   Trainer other(Device::best(), log_, initial_scene(), o);
   EXPECT_THROW(other.resume(folder_ / "4.checkpoint", "settings=2\n"), Error);
   TrainingOptions plain = o;
@@ -94,8 +94,8 @@ TEST_F(TrainerStateTest, MemoryIsEstimatedBeforeAndHoldsAfter) {
   {
     Trainer trainer(device, log_, scene, o);
     (void)trainer.run();
-    // No buffer is forgotten. What is not known before (slots of half empty tiles, pairs of what is seen)
-    // is within a factor of two of what was told.
+    // All buffers are listed. Unknown sizes (slots of partial tiles, pairs of visible particles) are within a
+    // factor of two of the estimate.
     for (const auto& [name, use] : device.memory_by_name()) {
       if (use.now == 0) continue;
       const auto told = need.by_buffer.find(name);
@@ -104,8 +104,8 @@ TEST_F(TrainerStateTest, MemoryIsEstimatedBeforeAndHoldsAfter) {
     }
   }
   const std::uint64_t used = device.memory().peak - before;
-  EXPECT_EQ(device.memory().now, before);  // all of it is given back
-  // Not more than told, and not told many times over.
+  EXPECT_EQ(device.memory().now, before);  // all memory is released
+  // At most the estimate, and not much less.
   EXPECT_LE(used, need.total);
   EXPECT_GE(3 * used, need.total);
   o.train.memory_bytes = need.total;

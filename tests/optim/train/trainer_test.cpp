@@ -60,7 +60,7 @@ TEST_F(TrainerTest, TrainingRecoversFromWrongColoursAndRanges) {
   const TrainStatus first = trainer.status();
   const TrainReport report = trainer.run();
   EXPECT_EQ(report.last.iteration, 120);
-  EXPECT_GT(report.last.psnr_db, first.psnr_db + 3.0) << first.psnr_db;  // the squared error halves
+  EXPECT_GT(report.last.psnr_db, first.psnr_db + 3.0) << first.psnr_db;  // half the squared error
   EXPECT_LT(report.last.distance_m, 0.7 * first.distance_m) << first.distance_m;
   EXPECT_GT(report.last.drop_accuracy, 0.8);
   EXPECT_EQ(report.rejected_gradients, 0U);
@@ -75,7 +75,7 @@ TEST_F(TrainerTest, AScenesBestOrderIsTheOneItWasTrainedIn) {
     o.train.render.order = order;
     return o;
   };
-  // Of each picture before its step; the same pictures for both scenes.
+  // Error of each picture before its step; the same pictures for both scenes.
   const auto psnr_db = [&](const Scene& scene, Order order) {
     constexpr int kPictures = 5;
     Trainer trainer(test::device(), log_, scene, options_in(order, kPictures));
@@ -96,14 +96,14 @@ TEST_F(TrainerTest, AScenesBestOrderIsTheOneItWasTrainedIn) {
 
 TEST_F(TrainerTest, DropFunctionsAreLearnedByNameAndStored) {
   TrainingOptions o = options(9);
-  o.train.ray_drop.apart = 2;  // of five sweeps, the second and fourth teach the function alone
+  o.train.ray_drop.apart = 2;  // of five sweeps, the second and fourth only train the drop function
   const Scene scene = train(o);
   ASSERT_EQ(scene.ray_drop.size(), 1U);
   EXPECT_EQ(scene.ray_drop[0].lidar, name_of(log_.lidars[0].model));
   EXPECT_NE(scene.ray_drop[0].parameters, RayDrop::start());
   EXPECT_EQ(train(o).ray_drop, scene.ray_drop);
   Scene start = initial_scene();
-  start.ray_drop = scene.ray_drop;  // goes on from there
+  start.ray_drop = scene.ray_drop;  // continues with these parameters
   o.train.iterations = 0;
   EXPECT_EQ(Trainer(test::device(), log_, start, o).scene().ray_drop, scene.ray_drop);
   o.train.iterations = 9;
@@ -192,7 +192,7 @@ TEST_F(TrainerTest, ByDefaultTheCameraSetAloneGrowsAndNotForEver) {
 }
 
 /// Of which there are five.
-TEST_F(TrainerTest, GrowthCountsLooksAtPicturesWhateverTheShards) {
+TEST_F(TrainerTest, GrowthCountsUsesOfPicturesForAnyShards) {
   for (const auto& [epochs, shards, first] :
        {std::tuple{1.0, 1, 10}, {2.0, 1, 20}, {1.0, 2, 6}, {0.2, 5, 2}}) {
     TrainingOptions o = options(60);
@@ -223,16 +223,16 @@ TEST_F(TrainerTest, PruningTakesOutWhatNoSweepSeesAndNothingElse) {
   o.train.prune = {.weight = 1e-6, .first = 0, .times = 1, .last_share = 0.5};
   Trainer trainer(test::device(), log_, start, o);
   trainer.step();
-  EXPECT_EQ(trainer.scene().lidar.size(), start.lidar.size());  // it is not its turn yet
+  EXPECT_EQ(trainer.scene().lidar.size(), start.lidar.size());  // not in this iteration
   const TrainReport report = trainer.run();
   const Scene pruned = trainer.scene();
   EXPECT_EQ(report.pruned, static_cast<std::uint64_t>(start.lidar.size() - pruned.lidar.size()));
   EXPECT_GE(report.pruned, static_cast<std::uint64_t>(buried));
   EXPECT_LT(report.pruned, static_cast<std::uint64_t>(start.lidar.size() / 2));
   EXPECT_EQ(pruned.camera.size(), start.camera.size());
-  // Those that are left are where they were.
+  // Remaining particles are unchanged.
   std::vector<bool> found(static_cast<std::size_t>(start.lidar.size()), false);
-  Eigen::Index at = 0;  // where the next is likely
+  Eigen::Index at = 0;  // likely index of the next one
   for (Eigen::Index i = 0; i < pruned.lidar.size(); ++i) {
     EXPECT_GT(pruned.lidar.mean()(i, 2), -40.0F);
     const auto is_it = [&](Eigen::Index j) {
@@ -245,7 +245,7 @@ TEST_F(TrainerTest, PruningTakesOutWhatNoSweepSeesAndNothingElse) {
     at = (at + tried) % start.lidar.size();
     found[static_cast<std::size_t>(at)] = true;
   }
-  // And sweeps that were trained on see what they saw, by one rule of what drops.
+  // Training sweeps have equal results with the same drop function.
   start.ray_drop = pruned.ray_drop;
   const EvalOptions trained{.image_scale = 1.0, .held_out_every = 0, .timed_renders = 1};
   const EvalReport before = test::compare(log_, start, trained), after = test::compare(log_, pruned, trained);
@@ -262,7 +262,7 @@ TEST_F(TrainerTest, DensificationGrowsToItsCapAndIsReproducible) {
   Scene start = initial_scene();
   for (Eigen::Index i = 0; i < start.camera.size(); i += 20) start.camera.opacity_logit()(i) = -7.0F;  // dead
   const Eigen::Index count = start.camera.size() + start.lidar.size();
-  // Room for two times 5 %, and then no more.
+  // Capacity for two steps of 5 %.
   o.train.densify.cap = static_cast<std::size_t>(1.08 * static_cast<double>(count));
   const auto run = [&](TrainReport& report) {
     Trainer trainer(test::device(), log_, start, o);
@@ -294,19 +294,19 @@ TEST_F(TrainerTest, AnchorsHoldTheCameraSetNearTheLidarSet) {
     return report.anchor_m;
   };
   const double pulled = anchor_distance(10.0);
-  const double hardly = anchor_distance(1e-9);  // measured, but too weak to be felt
+  const double hardly = anchor_distance(1e-9);  // computed, but too weak for an effect
   EXPECT_GT(pulled, 0.0);
   EXPECT_LT(pulled, 0.7 * hardly) << hardly;
-  EXPECT_EQ(anchor_distance(0.0), 0.0);  // not even measured
+  EXPECT_EQ(anchor_distance(0.0), 0.0);  // not computed
 }
 
 TEST_F(TrainerTest, SweepsHoldTheCameraSetWhereTheirReturnsAre) {
-  // The camera set's own distances along the rays of the sweeps, median error in m: few rays through a hole make the
+  // Median error in m of the camera set's distances along the sweeps' rays: few rays through a hole make the
   // mean of 100 iterations 0.12 to 0.3 m.
   const auto error_m = [&](double weight) {
     TrainingOptions o = options(100);
     o.train.depth = {.weight = weight, .every = 1};
-    o.train.densify.epochs = 0.0;  // particles that are new stand where pictures err, wherever returns are
+    o.train.densify.epochs = 0.0;  // new particles are placed by picture errors, not by returns
     Scene scene = train(o);
     GaussianSet as_lidar(SetKind::kLidar, scene.camera.sh_degree, scene.camera.size());
     as_lidar.params.leftCols(kShRow) = scene.camera.params.leftCols(kShRow);

@@ -1,4 +1,4 @@
-// The whole recipe: from a log to a scene that says how it was made.
+// Tests the complete training, from a log to a scene with its record.
 #include "optim/train/training.hpp"
 
 #include <algorithm>
@@ -46,7 +46,7 @@ TEST_F(TrainingTest, IsTheRecipeStepByStep) {
   EXPECT_EQ(training.report().train.last.iteration, 12);
 }
 
-/// Pruned while training, they would not be there: no ray meets them.
+/// During training they would be pruned: no ray intersects them.
 TEST_F(TrainingTest, WallsAboveTheLaserJoinWhatWasTrained) {
   TrainingOptions o = options(4);
   o.init.voxel_m = 0.2;
@@ -113,7 +113,7 @@ TEST_F(TrainingTest, TheSceneIsDrawnWithTheWidthOfPixelsThatItWasTrainedWith) {
 }
 
 TEST_F(TrainingTest, AScenesOwnBundleIsNamed) {
-  EXPECT_EQ(options(1).train.render.extent, Extent::kExact);  // as `simuli train` does
+  EXPECT_EQ(options(1).train.render.extent, Extent::kExact);  // like `simuli train`
   TrainingOptions o = options(0);
   o.train.render = training_options_of(Quality::kDraft);
   Training draft(test::device(), log_, o);
@@ -161,9 +161,9 @@ TEST_F(TrainingTest, ALongerTrainingGoesOnFromAFinishedOne) {
     return training.result();
   };
   const SceneFile a = longer();
-  expect_same(longer().scene, a.scene);  // well defined
+  expect_same(longer().scene, a.scene);  // reproducible
   EXPECT_EQ(a.training->iterations, 20);
-  // The first half ran on the rates of the shorter one.
+  // The first half used the learning rates of the shorter training.
   Training whole(test::device(), log_, options(20));
   whole.run();
   const GaussianSet &other = whole.scene().camera, &one = a.scene.camera;

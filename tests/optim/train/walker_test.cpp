@@ -1,4 +1,4 @@
-// A person who walks: learned with a shape that changes, and as if they were rigid.
+// Tests a walking person, trained with a deformation and as a rigid actor.
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <iostream>
@@ -80,7 +80,7 @@ TEST_F(Walker, IsShownBetterWithAShapeThatChanges) {
   EXPECT_GT(shaped.actor_share_met, rigid.actor_share_met);
   EXPECT_GT(shaped.psnr_db, rigid.psnr_db - 0.05);
   EXPECT_LT(shaped.lidar.distance_median_m, rigid.lidar.distance_median_m + 0.001);
-  // Edits keep it: a second one beside the first, and none of both.
+  // Edits keep the deformation: a copy beside the original, and neither of them.
   Scene edited = scenes[1];
   duplicate_actor(edited, "person", "twin");
   EXPECT_EQ(edited.actors[1].deformation.offsets_m, edited.actors[0].deformation.offsets_m);

@@ -1,4 +1,4 @@
-// Labels and flow of a trained street against its analytic truth.
+// Tests labels and flow of a trained street against its analytic ground truth.
 #include "host/device/render/outputs/labels.hpp"
 
 #include <algorithm>
@@ -19,7 +19,7 @@
 namespace simuli {
 namespace {
 
-/// Whether most of a pixel, and a LiDAR's ray, is of the car; and what moves.
+/// Ground truth of pixels and LiDAR rays on the car, and of motion.
 class StreetTruth {
  public:
   StreetTruth(const StreetOptions& options, const Sensor& sensor)
@@ -39,7 +39,7 @@ class StreetTruth {
       on += hit(shot, {x + (i % 3 + 0.5) / 3.0, y + (i / 3 + 0.5) / 3.0}).on_car ? 1 : 0;
     return on > 4;
   }
-  /// Where the middle of a pixel goes to; none in the sky.
+  /// Returns the position of a pixel's centre in the other frame; none in the sky.
   [[nodiscard]] std::optional<Eigen::Vector2d> goes_to(const Shot& from, const Shot& to, int x, int y) const {
     const Eigen::Vector2d pixel(x + 0.5, y + 0.5);
     const StreetHit at = hit(from, pixel);
@@ -75,7 +75,7 @@ class LabelTruth : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  /// Share of the car's pixels, in any of the two, that are in both; and the pixels' errors, sorted.
+  /// Intersection over union of the car's pixels, and sorted pixel errors.
   struct Errors {
     double iou = 0.0;
     std::vector<double> flow_px;

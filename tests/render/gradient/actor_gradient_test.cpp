@@ -1,4 +1,4 @@
-// Gradients of particles of actors and of the actors' poses, against differences.
+// Tests gradients of actors' particles and poses against differences.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <optional>
@@ -42,7 +42,7 @@ class ActorProblem {
     for (std::size_t i = 0; i < out.size(); ++i) loss += weights_[i] * out[i];
     return loss;
   }
-  /// Central difference of the loss by what `move(h)` sets, extrapolated once.
+  /// Returns the central difference of the loss for `move(h)`, extrapolated once.
   template <class Move>
   [[nodiscard]] double quotient(const Move& move, double h) {
     const auto moved_loss = [&](double step) {
@@ -69,7 +69,7 @@ class ActorProblem {
     pass_ = pass;
     return grads_.download_double();
   }
-  /// Of the last gradient().
+  /// Returns the pose gradients of the last gradient().
   [[nodiscard]] std::vector<ActorPoseGradient> pose_gradients() { return pass_->pose_gradients(particles_); }
 
  private:
@@ -83,7 +83,7 @@ class ActorProblem {
   std::vector<double> base_, weights_;
 };
 
-/// Large soft particles, clear of clamps, every third of an actor.
+/// Large soft particles, away from clamps, a third of them on actors.
 ActorProblem smooth_problem(const SceneCase& scene, double step_m, double turn_rad) {
   const bool camera = scene.kind == SetKind::kCamera;
   test::Shot shot = camera ? test::shot_of(scene, 24, 20) : test::shot_of(scene, 60, 12);
@@ -165,7 +165,8 @@ TEST(ActorGradients, UnderAGlobalShutterMatchDifferences) {
   SIMULI_NEEDS_DOUBLE(test::device());
   constexpr SceneCase kCase{"camera_sh1", SetKind::kCamera, false, false, 1};
   ActorProblem problem = smooth_problem(kCase, 0.0, 0.0);
-  // Start and end are one time here: a pose is half of each, and both moved together are the whole.
+  // Start and end are the same time here: each pose has half of the gradient, and a common motion the
+  // complete gradient.
   const WorstError error = worst_errors(problem, kCase);
   EXPECT_LT(error.parameters, 1e-6);
 }
@@ -175,7 +176,7 @@ TEST(ActorGradients, OfWhatDrivesStraightMatchDifferences) {
   ActorProblem problem = smooth_problem(test::kLidarMoving, 2.0, 0.0);
   const WorstError error = worst_errors(problem, test::kLidarMoving);
   EXPECT_LT(error.parameters, 1e-6);
-  // A particle's rays share the time of its middle: off by their spread over the frame.
+  // A particle's rays use the time of its centre: the error is their spread over the frame.
   EXPECT_LT(error.poses, 0.1);
 }
 

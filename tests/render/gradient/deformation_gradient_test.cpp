@@ -1,5 +1,5 @@
-// Gradients of the shapes of actors that are not rigid, and of their particles, against differences; and what
-// they show against particles that were moved by hand.
+// Tests gradients of shapes of non-rigid actors and their particles against differences, and renders against
+// particles moved manually.
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
@@ -20,11 +20,11 @@ namespace {
 using Eigen::Vector3d;
 using test::SceneCase;
 
-// Of one degree, as others with actors: kernels are compiled once.
+// One degree, as in other tests with actors: kernels are compiled once.
 constexpr SceneCase kCamera{"camera_sh1", SetKind::kCamera, false, false, 1};
 constexpr SceneCase kLidar{"lidar_sh1", SetKind::kLidar, false, false, 1};
 
-/// Of a box of 2 x 2 x 1.6 m, up to `largest_m` to each side.
+/// Returns a shape of a box of 2 x 2 x 1.6 m with offsets of up to `largest_m`.
 DeformationView shape_of(double largest_m, std::uint64_t seed) {
   DeformationView shape;
   shape.nodes = {3, 4, 2};
@@ -36,7 +36,7 @@ DeformationView shape_of(double largest_m, std::uint64_t seed) {
   return shape;
 }
 
-/// Two actors of which the first is not rigid; the larger part of both sets is theirs.
+/// Two actors, the first of which is not rigid; most particles of both sets belong to them.
 test::Shot shot_with_shapes(const SceneCase& scene, double largest_m) {
   const bool camera = scene.kind == SetKind::kCamera;
   test::Shot shot = camera ? test::shot_of(scene, 24, 20) : test::shot_of(scene, 60, 12);
@@ -60,11 +60,11 @@ GaussianSet particles_for(const SceneCase& scene) {
     set.actor.push_back(static_cast<std::uint32_t>(i % 3));
     if (i % 3 != 0) set.mean().row(i) = (set.mean().row(i) - Eigen::RowVector3f(7, 0, 0)) * 0.45F;
   }
-  set.mean()(4, 1) = 1.7F;  // beyond the grid, of the first actor
+  set.mean()(4, 1) = 1.7F;  // outside the grid of the first actor
   return set;
 }
 
-/// L = sum of weight x output, as a function of means and of the first actor's nodes.
+/// L = sum of weight x output as a function of means and of the first actor's nodes.
 class ShapeProblem {
  public:
   ShapeProblem(const SceneCase& scene, Precision precision)
@@ -152,7 +152,7 @@ TEST(DeformationGradients, MatchDifferences) {
     for (const test::Quotients& found :
          {problem.of_means(), problem.of_nodes(false), problem.of_nodes(true)}) {
       EXPECT_LT(found.error, test::kGradientTolerance);
-      EXPECT_GT(found.error_if_scaled, test::kGradientTolerance);  // the check would notice
+      EXPECT_GT(found.error_if_scaled, test::kGradientTolerance);  // the check would detect it
     }
   }
 }
@@ -174,7 +174,7 @@ TEST(DeformationGradients, InFloatAreNearThoseInDouble) {
   EXPECT_EQ(first, single.by_shape[0].start);  // the same bits each time
 }
 
-/// Bits of all outputs.
+/// Returns the bits of all outputs.
 std::vector<double> shown(Renderer& renderer,
                           const GaussianSet& set,
                           const test::Shot& shot,
@@ -194,7 +194,7 @@ TEST(Deformation, ShowsWhatParticlesMovedByHandShow) {
     Renderer renderer(test::device(), test::smooth_options(Precision::kDouble));
     test::Shot shot = shot_with_shapes(scene, 0.4);
     DeformationView& shape = shot.view.actors[0].deformation;
-    shape.end_m = shape.start_m;  // at whatever share of the frame
+    shape.end_m = shape.start_m;  // constant over the frame
     GaussianSet set = particles_for(scene);
     const std::vector<double> deformed = shown(renderer, set, shot);
     for (Eigen::Index i = 1; i < set.size(); i += 3) {
@@ -217,7 +217,7 @@ TEST(Deformation, OfZeroChangesNoBit) {
     std::fill(shape.start_m.begin(), shape.start_m.end(), 0.0);
     shape.end_m = shape.start_m;
     EXPECT_EQ(shown(renderer, set, still), shown(renderer, set, shot_with_shapes(scene, 0.0))) << scene.name;
-    // Nor does it where its actor is not there.
+    // An absent actor has no effect.
     still.view.actors[0] = ActorView{};
     test::Shot gone = still;
     gone.view.actors[0].deformation = shape_of(0.4, 1);
@@ -227,7 +227,7 @@ TEST(Deformation, OfZeroChangesNoBit) {
 
 TEST(Deformation, IsThatOfTheTimeAtWhichTheSensorLooks) {
   SIMULI_NEEDS_DOUBLE(test::device());
-  // All of the first actor goes 0.4 m ahead during the sweep, and is looked at at one time of it.
+  // The first actor moves 0.4 m ahead during the sweep; the rays have one time.
   const SceneCase scene = kLidar;
   test::Shot shot = shot_with_shapes(scene, 0.1);
   DeformationView& shape = shot.view.actors[0].deformation;

@@ -1,5 +1,5 @@
 #pragma once
-// Analytic gradients against central differences, judged parameter group by parameter group.
+// Compares analytic gradients with central differences, by parameter group.
 #include <array>
 #include <cmath>
 #include <functional>
@@ -10,15 +10,15 @@
 
 namespace simuli::test {
 
-/// Compares gradients of a parameter matrix. Each error is relative to the largest difference quotient of
-/// its group (means, log-scales, ...): groups have scales of their own, and the small entries of one are
-/// the cancelled sums of large ones.
+/// Compares gradients of a parameter matrix. Each error is relative to the largest difference quotient of its
+/// group (means, log-scales, ...): groups have different scales, and small entries are sums with
+/// cancellation.
 class GradientCheck {
  public:
   void add(int row, double analytic, double numeric) { entries_.push_back({row, analytic, numeric}); }
 
-  /// Largest relative error of a group; infinite for anything that is not a number, or for a group whose
-  /// difference quotients are all 0 while the analytic gradient is not.
+  /// Returns the largest relative error of a group; infinite for NaN, or if all difference quotients of the
+  /// group are 0 and the analytic gradient is not.
   [[nodiscard]] double worst(int group) const {
     double scale = 0.0, error = 0.0;
     for (const Entry& e : entries_) {
@@ -29,7 +29,7 @@ class GradientCheck {
     }
     return error > 0.0 ? error / scale : 0.0;
   }
-  /// A group that was never moved would pass any comparison.
+  /// Whether the group has nonzero quotients; otherwise any comparison would pass.
   [[nodiscard]] bool moves(int group) const {
     for (const Entry& e : entries_) {
       if (group_of(e.row) == group && std::abs(e.numeric) > 0.0) return true;
@@ -42,7 +42,8 @@ class GradientCheck {
     }
     return true;
   }
-  /// The same with the analytic gradient of one group scaled: a wrong gradient, for tests of this check.
+  /// Returns the same with the analytic gradient of one group scaled: a wrong gradient, for tests of this
+  /// check.
   [[nodiscard]] GradientCheck scaled(int group, double factor) const {
     GradientCheck other = *this;
     for (Entry& e : other.entries_) e.analytic *= group_of(e.row) == group ? factor : 1.0;
@@ -69,20 +70,20 @@ class GradientCheck {
 };
 
 inline constexpr double kQuotientStep = 1e-4;
-// Quotients are accurate to some 1e-9: (h^4 f''''' after extrapolation, and 1e-16 |L| / h of rounding).
+// Quotients are accurate to about 1e-9: h^4 f''''' after extrapolation, and 1e-16 |L| / h of rounding.
 inline constexpr double kGradientTolerance = 1e-6;
 // 24 bits of directions and positions some metres away, squared distances up to 55 in the exponent.
 inline constexpr double kFloatGradientTolerance = 1e-2;
 
-/// Central difference of loss(step), extrapolated once.
+/// Returns the central difference of loss(step), extrapolated once.
 template <class Loss>
 [[nodiscard]] double extrapolated_quotient(const Loss& loss, double h) {
   const auto central = [&](double step) { return (loss(step) - loss(-step)) / (2.0 * step); };
   return (4.0 * central(0.5 * h) - central(h)) / 3.0;
 }
 
-/// Difference quotients of `loss` in entries of `values` against `gradient`: the largest error, and that of a
-/// gradient 1 % off, both over the largest quotient.
+/// Difference quotients of `loss` by entries of `values` against `gradient`: the largest error, and the
+/// largest error of a gradient that is 1 % off, both relative to the largest quotient.
 struct Quotients {
   double error = 0.0;
   double error_if_scaled = 0.0;

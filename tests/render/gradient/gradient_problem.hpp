@@ -1,5 +1,5 @@
 #pragma once
-// A loss whose gradient is known twice: by the backward pass and by differences of the forward one.
+// A loss with gradients from the backward pass and from differences of the forward pass.
 #include <span>
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace simuli::test {
 
-/// Cuts so small that no contribution comes or goes visibly when a parameter moves.
+/// Returns options with small cuts, so that no contribution appears or disappears by a parameter step.
 inline RenderOptions smooth_options(Precision precision) {
   RenderOptions options = paper_options();
   options.precision = precision;
@@ -31,7 +31,7 @@ class GradientProblem {
         grads_(device, "parameter gradients", options.precision),
         base_(particles_.params.download_double()) {
     Random random(11);
-    // By ray, whatever slot it has; slots without a ray tell nothing.
+    // Weights by ray, independent of slots; slots without a ray have weight 0.
     const RayGrid& grid = rays_.grid();
     for (int output = 0; output < 5; ++output) {
       std::vector<double> of_rays(grid.rays);
@@ -60,7 +60,7 @@ class GradientProblem {
     for (std::size_t i = 0; i < out.size(); ++i) loss += weights_[i] * out[i];
     return loss;
   }
-  /// Central difference, extrapolated once.
+  /// Returns the central difference, extrapolated once.
   [[nodiscard]] double quotient(std::size_t parameter, double h) {
     return extrapolated_quotient([&](double step) { return loss_at(parameter, step); }, h);
   }

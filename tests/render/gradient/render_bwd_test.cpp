@@ -1,5 +1,5 @@
-// Gradients of the whole chain, taken by the same kernels built in double, against central differences of
-// their own forward pass.
+// Tests gradients of the complete chain, by the double build of the kernels, against central differences of
+// its forward pass.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <string>
@@ -22,8 +22,8 @@ using test::kFloatGradientTolerance;
 using test::kGradientTolerance;
 constexpr double kStep = test::kQuotientStep;
 
-/// Particles around the sensor or before the camera, opacities clear of the clamp of alpha, features clear
-/// of 0 where they are clamped.
+/// Returns particles around the sensor or ahead of the camera, with opacities away from the clamp of alpha
+/// and clamped features away from 0.
 GaussianSet well_placed_set(const SceneCase& scene, int count, bool compensated = false) {
   const bool camera = scene.kind == SetKind::kCamera;
   test::SetRecipe recipe;
@@ -32,21 +32,21 @@ GaussianSet well_placed_set(const SceneCase& scene, int count, bool compensated 
   recipe.high = camera ? Eigen::Vector3d(9, 2, 1.5) : Eigen::Vector3d(7, 7, 1.0);
   recipe.scale_min = camera ? 0.15 : 0.4;
   recipe.scale_max = camera ? 0.6 : 1.0;
-  // Not so wide, widened, that they reach the sensor: rays would begin inside and their cut is no smooth one.
+  // Filtered particles must not reach the sensor: rays would start inside, and that cut is not smooth.
   if (!camera && compensated) recipe.scale_min = 0.1, recipe.scale_max = 0.3;
   recipe.opacity_min = 0.2;
   recipe.opacity_max = 0.9;
   recipe.sh_spread = 0.1;
   GaussianSet set = test::set_for(scene, recipe, 5);
   set.sh(0).array() += 1.5F;
-  for (Eigen::Index i = 0; i < set.size(); ++i) {  // not so near that a LiDAR is inside
+  for (Eigen::Index i = 0; i < set.size(); ++i) {  // so far that a LiDAR is not inside
     const float flat = set.mean().row(i).head<2>().norm();
     if (!camera && flat < 4.0F) set.mean().row(i).head<2>() *= 4.0F / flat;
   }
   return set;
 }
 
-/// A scene, with opacities that the footprint filter takes from or not.
+/// A scene with or without opacity compensation.
 struct GradientCase {
   SceneCase scene;
   bool compensated = false;
@@ -67,7 +67,7 @@ class Gradient : public testing::TestWithParam<GradientCase> {
   [[nodiscard]] static RenderOptions options(Precision precision) {
     RenderOptions out = smooth_options(precision);
     out.camera_compensation = out.lidar_compensation = GetParam().compensated;
-    // Beams this wide make particles that the unscented box cuts off where alpha is still 1e-6.
+    // With beams this wide the unscented box cuts particles off at an alpha of 1e-6.
     if (GetParam().compensated) out.extent = Extent::kExact;
     return out;
   }
@@ -94,13 +94,13 @@ TEST_P(Gradient, MatchesDifferencesAndWrongOnesAreRejected) {
     EXPECT_LE(check.worst(group), kGradientTolerance)
         << GradientCheck::kGroupNames[static_cast<std::size_t>(group)];
     EXPECT_TRUE(check.moves(group)) << GradientCheck::kGroupNames[static_cast<std::size_t>(group)];
-    // One per cent off is four orders above the tolerance: the check sees it in every group.
+    // An error of one percent is four orders above the tolerance: the check detects it in each group.
     EXPECT_FALSE(check.scaled(group, 1.01).passes(kGradientTolerance));
     EXPECT_FALSE(check.scaled(group, -1.0).passes(kGradientTolerance));
   }
   EXPECT_TRUE(check.passes(kGradientTolerance));
 
-  // Lengthening a quaternion changes nothing: the gradient stands upright on it.
+  // The norm of a quaternion has no effect: the gradient is perpendicular to the quaternion.
   for (int particle = 0; particle < static_cast<int>(set.size()); ++particle) {
     double along = 0.0, size = 0.0;
     for (int k = 0; k < 4; ++k) {
@@ -150,14 +150,14 @@ INSTANTIATE_TEST_SUITE_P(All,
                                   (pair.param.compensated ? "_compensated" : "");
                          });
 
-/// A camera of 16 x 16 pixels that spans +-2 mrad about +x: what it sees hardly varies.
+/// A camera of 16 x 16 pixels with a field of view of +-2 mrad about +x: its picture is nearly constant.
 test::Shot narrow_shot() {
   test::Shot shot = test::shot_of(test::kCameraSh3, 16, 16);
   shot.camera.fx = shot.camera.fy = 4000.0;
   return shot;
 }
 
-/// Degree-3 particles (the variant that other tests have compiled) without higher bands.
+/// Returns degree-3 particles (a variant compiled for other tests) with zero higher bands.
 GaussianSet plain_set(const std::vector<test::SingleParticle>& particles) {
   const GaussianSet flat = test::set_of(SetKind::kCamera, particles);
   GaussianSet set(SetKind::kCamera, 3, flat.size());
@@ -169,14 +169,14 @@ TEST(GradientAtTheClamp, OpacityIsStillAndDistanceFlows) {
   const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
   const Eigen::Quaterniond tilted(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
-  // sigma = 0.9999 stays above the clamp of 0.999 out to 0.042 standard deviations: 4 cm, twice the picture.
+  // sigma = 0.9999 remains above the clamp of 0.999 up to 0.042 standard deviations: 4 cm, twice the picture.
   const GaussianSet set =
       plain_set({{.mean = {10, 0, 0}, .scale = {1.0, 2.0, 3.0}, .rotation = tilted, .opacity = 0.9999},
                  {.mean = {14, 0.01, 0.02}, .scale = {1.5, 1.0, 2.0}, .rotation = tilted, .opacity = 0.5}});
   Problem problem(device, narrow_shot(), set, smooth_options(Precision::kDouble));
   const std::vector<double> out = problem.outputs_at(problem.base());
   const std::size_t slots = problem.slots();
-  // Behind the clamp 0.001 is left, of which the second particle takes about half.
+  // Behind the clamp 0.001 remains; the second particle absorbs about half of it.
   for (std::size_t i = 0; i < slots; ++i) ASSERT_NEAR(out[3 * slots + i], 0.0005, 2e-5);
 
   const std::vector<double> gradient = problem.gradient();
@@ -201,7 +201,7 @@ TEST(GradientAtTheClamp, OpacityIsStillAndDistanceFlows) {
 TEST(GradientAtTheCut, RaysThatEndAndRaysThatGoOnBothMatch) {
   const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
-  // Four layers leave 1e-4 at the centre, the cut; off the centre a little more. Only the fifth is red.
+  // Four layers leave 1e-4 at the centre, the cut; off the centre slightly more. Only the fifth layer is red.
   std::vector<test::SingleParticle> layers;
   for (int k = 0; k < 5; ++k) {
     layers.push_back({.mean = {10.0 + k, 0.001 * k, -0.0005 * k},
@@ -223,7 +223,7 @@ TEST(GradientAtTheCut, RaysThatEndAndRaysThatGoOnBothMatch) {
     const bool stopped = out[i] == 0.0;
     ended += stopped ? 1U : 0U;
     if (stopped) {
-      // T of the fourth layer, below the cut and hence final; clear of it so that no step changes it.
+      // T of the fourth layer, below the cut and hence final; not so close that a step changes the decision.
       ASSERT_LT(out[3 * slots + i], 1e-4 * (1.0 - 1e-4));
     } else {
       ASSERT_GT(out[3 * slots + i] + out[i], 1e-4 * (1.0 + 1e-4));  // red is 1: T + red is T before it
@@ -237,7 +237,7 @@ TEST(GradientAtTheCut, RaysThatEndAndRaysThatGoOnBothMatch) {
   for (int particle = 0; particle < 5; ++particle) {
     for (int row = 0; row < kShRow + 3; ++row) {
       const std::size_t parameter = problem.at(row, particle);
-      // Steps that move T by less than its distance to the cut: 1e-4 of it.
+      // Steps that change T by less than its distance from the cut: 1e-4 of it.
       const double step = row < 3 ? 2e-6 : 1e-5;
       check.add(row, gradient[parameter], problem.quotient(parameter, step));
     }

@@ -1,5 +1,4 @@
-// Gradients where each ray blends in an order of its own: against differences, and against the order by range
-// where the two agree.
+// Tests gradients of per-ray order against differences, and against the order by range if both agree.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -27,7 +26,7 @@ test::Shot shot_for(const SceneCase& scene) {
   return scene.kind == SetKind::kCamera ? test::shot_of(scene, 40, 24) : test::shot_of(scene, 90, 12);
 }
 
-/// Wide particles in each other: the order by range is often not that along a ray.
+/// Wide overlapping particles: the order by range often differs from the order along a ray.
 GaussianSet crowd(const SceneCase& scene) {
   const test::SetRecipe recipe{.count = kCount,
                                .low = {-9, -9, -3},
@@ -53,7 +52,7 @@ RenderOptions options_with(Order order,
   return options;
 }
 
-/// The gradient but for what stands between the rows of parameters, which nothing writes.
+/// Returns the gradient without the padding between rows of parameters, which is never written.
 std::vector<double> all_of(Problem& problem, int sh_degree, int particles) {
   const std::vector<double> gradient = problem.gradient();
   std::vector<double> out;
@@ -64,7 +63,7 @@ std::vector<double> all_of(Problem& problem, int sh_degree, int particles) {
   return out;
 }
 
-/// |a - b| over |b|.
+/// Returns |a - b| / |b|.
 double apart(const std::vector<double>& a, const std::vector<double>& b) {
   double error = 0.0, size = 0.0;
   for (std::size_t i = 0; i < b.size(); ++i) {
@@ -91,7 +90,7 @@ class GradientByRay : public testing::TestWithParam<OrderCase> {
   }
 };
 
-// Neither moves the place of the maximum response: the order stays while they are moved.
+// Neither parameter moves the maximum of the response: the order is constant.
 TEST_P(GradientByRay, OfOpacitiesAndColoursMatchesDifferences) {
   const SceneCase& scene = GetParam().scene;
   const Device& device = test::device();
@@ -143,8 +142,8 @@ INSTANTIATE_TEST_SUITE_P(
                     OrderCase{"lidar_per_ray_gpu", test::kLidarMoving, Order::kPerRay, 3, test::kGpuShape}),
     [](const auto& pair) { return std::string(pair.param.name); });
 
-/// What a camera of 16 x 16 pixels that spans +-2 mrad sees of wide particles beside its axis: the same order
-/// for all rays, not that by range, and no two so near in it that a step swaps them.
+/// Wide particles beside the axis of a camera of 16 x 16 pixels with a field of view of +-2 mrad: all rays
+/// have the same order, which differs from the order by range, with distances larger than the steps.
 TEST(GradientInOwnOrder, OfShapesMatchesDifferences) {
   const Device& device = test::device();
   SIMULI_NEEDS_DOUBLE(device);
@@ -183,7 +182,7 @@ TEST(GradientInOwnOrder, OfShapesMatchesDifferences) {
 
 TEST(GradientInOwnOrder, IsThatByRangeWhereTheOrdersAgree) {
   const Device& device = test::device();
-  // Small round ones, each a metre behind the last: rays meet them where they are.
+  // Small round particles, each a metre behind the last: all orders agree.
   const GaussianSet set = [] {
     test::SetRecipe recipe{.count = 40, .scale_min = 0.04, .scale_max = 0.05, .opacity_max = 0.9};
     GaussianSet out = test::set_for(test::kCameraStill, recipe, 9);
@@ -221,7 +220,7 @@ TEST(GradientInOwnOrder, IsTheSameAFewTilesAtATime) {
     RealBuffer grads(device, "gradients", Precision::kFloat);
     pass.backward(particles, grads);
     const std::vector<double> at_once = pass.gradients().grads.download_double();
-    // No list has a single place: each tile by itself. Then some of them together.
+    // No list has a single pixel: each tile separately. Then several tiles together.
     for (const std::size_t places : {std::size_t{1}, std::size_t{150}}) {
       pass.backward(particles, grads, {.replayed = places});
       EXPECT_EQ(pass.gradients().grads.download_double(), at_once);

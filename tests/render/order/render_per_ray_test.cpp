@@ -1,5 +1,5 @@
-// What pictures may ask for beyond the default: each ray's own order, colours along each ray, fewer bands,
-// built-in functions (host/device/render/options/options.hpp).
+// Tests options of pictures beyond the default: per-ray order, colours along each ray, fewer bands, built-in
+// functions (host/device/render/options/options.hpp).
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ test::Shot shot_for(const SceneCase& scene) {
   return scene.kind == SetKind::kCamera ? test::shot_of(scene, 72, 50) : test::shot_of(scene, 150, 20);
 }
 
-/// Wide particles in each other: the order by range is often not that along a ray.
+/// Wide overlapping particles: the order by range often differs from the order along a ray.
 GaussianSet crowd(const SceneCase& scene, Eigen::Index count = 600) {
   const test::SetRecipe recipe{.count = count,
                                .low = {-12, -12, -4},
@@ -82,7 +82,7 @@ TEST_P(PerRay, MatchesTheReference) {
   EXPECT_GT(test::expect_same_rays(results, expected, scene.kind, tolerance).compared,
             is_double ? 0.98 : 0.2);
   test::expect_drop_logits(results, shot.view, scene.kind);
-  double otherwise = 0.0;  // what the order by range is off
+  double otherwise = 0.0;  // error of the order by range
   int most = 0;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     most = std::max(most, expected[i].contributors);
@@ -131,7 +131,7 @@ TEST(RaySh, InOrderOfRangeMatchesTheReference) {
 TEST(RaySh, SumsThatAreNoNumbersAreNotSpread) {
   const Device& device = test::device();
   GaussianSet set = crowd(test::kCameraSh3, 60);
-  set.sh(2).row(3).setConstant(3e38F);  // 0 towards a particle straight ahead, huge a little beside it
+  set.sh(2).row(3).setConstant(3e38F);  // 0 towards a particle straight ahead, large slightly beside it
   set.mean().row(3) << 5.0F, 0.0F, 0.0F;
   RenderOptions options = paper_options();
   options.sh_direction = ShDirection::kRay;
@@ -178,7 +178,7 @@ TEST(ShStorage, HalvesAreRoundedCoefficients) {
       }
     }
     EXPECT_NE(rounded.params, set.params);
-    // The same as from what was rounded before: to the bit, each ray's colour, too.
+    // Equal bits as from rounded parameters, also for colours along each ray.
     for (const ShDirection direction : {ShDirection::kParticle, ShDirection::kRay}) {
       options.sh_storage = ShStorage::kHalf;
       options.sh_direction = direction;

@@ -1,5 +1,5 @@
-// Orders of each ray's own through a window (render.window): what a wide one finds, and that what it does not
-// find is made again exactly.
+// Tests per-ray orders with a window (render.window): a wide window is exact, and rays that exceed a window
+// are computed again exactly.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <string>
@@ -22,7 +22,7 @@ test::Shot shot_for(const SceneCase& scene) {
   return shot;
 }
 
-/// Wide particles in each other: the order by range is often not that along a ray.
+/// Wide overlapping particles: the order by range often differs from the order along a ray.
 GaussianSet crowd(const SceneCase& scene, Eigen::Index count) {
   const test::SetRecipe recipe{.count = count,
                                .low = {-12, -12, -4},
@@ -70,7 +70,7 @@ void expect_same_bits(const RayResults& a, const RayResults& b) {
   EXPECT_EQ(a.drop_logit, b.drop_logit);
 }
 
-/// RMS over colours or intensity and logits.
+/// Returns the RMS difference of colours, or of intensity and logits.
 double apart(const RayResults& a, const RayResults& b) {
   double square = 0.0;
   for (int k = 0; k < 3; ++k) {
@@ -104,7 +104,7 @@ class Window : public testing::TestWithParam<WindowCase> {
   }
 };
 
-// Particles few enough that 64 entries hold all that rays side by side meet.
+// Few particles: 64 entries contain all particles of neighbouring rays.
 TEST_P(Window, OfAllEntriesMatchesTheReference) {
   const SceneCase& scene = GetParam().scene;
   const GaussianSet set = crowd(scene, 64);
@@ -119,7 +119,7 @@ TEST_P(Window, OfAllEntriesMatchesTheReference) {
   expect_same_bits(results, render(set, shot, options_of_case(Order::kPerRay, 64)));
 }
 
-// Vectors that a window was too narrow for are made again: the width decides how many, and nothing else.
+// Vectors that exceed the window are computed again: the width only changes their number.
 TEST_P(Window, WidthIsNoMatterToExactOrder) {
   const SceneCase& scene = GetParam().scene;
   const GaussianSet set = crowd(scene, 600);
@@ -148,8 +148,8 @@ INSTANTIATE_TEST_SUITE_P(
              "_lanes" + std::to_string(c.shape.lanes);
     });
 
-// A plate that stands 9.5 m away reaches through a wall to 3.6 m: rays that the wall has ended meet it
-// before.
+// A plate 9.5 m away extends through a wall to 3.6 m: rays that terminate at the wall intersect the plate
+// first.
 TEST(PerRayOrder, HoldsForWhatIsMetAfterARaysEnd) {
   std::vector<test::SingleParticle> particles;
   for (int i = 0; i < 12; ++i) {
@@ -175,8 +175,7 @@ TEST(PerRayOrder, HoldsForWhatIsMetAfterARaysEnd) {
   }
 }
 
-// Particles that move with their actors during the frame are met where they are at each ray's time, either
-// way.
+// Particles of moving actors are at their position at each ray's time in both orders.
 TEST(PerRayOrder, HoldsForActorsInMotion) {
   for (const SceneCase& scene : {test::kCameraRolling, test::kLidarMoving}) {
     GaussianSet set = crowd(scene, 300);

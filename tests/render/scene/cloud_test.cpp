@@ -33,7 +33,7 @@ TEST(Cloud, HasARowPerReturnWithItsBeamAndTime) {
     EXPECT_NEAR(time_s, sweep.rays.time_fraction[i] * lidar.duration_s(), 1e-9);
     const Eigen::Vector3d in_world = world.values.row(row).head<3>(),
                           in_sensor = own.values.row(row).head<3>();
-    // From its own time on, the rig's pose brings it to the world.
+    // The rig's pose at the point's time maps it to the world.
     const Pose world_from_sensor = test::path().at(0.1 + time_s) * lidar.rig_from_sensor();
     EXPECT_LT((world_from_sensor * in_sensor - in_world).norm(), 1e-5) << i;
     ++row;

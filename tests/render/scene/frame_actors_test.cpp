@@ -1,4 +1,4 @@
-// Whose particle takes a ray's light below a half.
+// Tests the actor of the particle at which a ray's transmittance falls below one half.
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ TEST(FrameActors, LeaveTheFrameAsItIs) {
     EXPECT_EQ(frame.results().median, plain.median);
     const std::vector<std::uint32_t> actors = frame.owners();
     EXPECT_GT(std::count(actors.begin(), actors.end(), 1U), 3);
-    // Half of the light was gone at a particle of its: without it that is elsewhere.
+    // Half of the light is absorbed at an actor's particle: without the actor the median is elsewhere.
     Shot without = shot;
     without.edits = {{"near", ActorEdit::Remove{}}};
     request.camera_median = true;
@@ -64,18 +64,18 @@ TEST(FrameActors, LeaveTheFrameAsItIs) {
   }
 }
 
-// An upright one of 1 m in a box of 2 m, and what it shows of the road below the box and beside it.
+// An upright actor of 1 m in a box of 2 m, with its particles of the road below and beside the box.
 TEST(FrameActors, AreBodiesWithoutShadowAndRoad) {
   const struct {
     Eigen::Vector3d at_m;
     bool is_body;
   } cases[] = {{{0.0, 0.0, 0.0}, true},
                {{0.0, 1.05, 0.0}, true},     // labels are not exact
-               {{0.0, 1.15, 0.0}, false},    // beside it
-               {{0.0, 0.0, 1.05}, true},     // on its roof
+               {{0.0, 1.15, 0.0}, false},    // beside the box
+               {{0.0, 0.0, 1.05}, true},     // on the roof
                {{0.0, 0.0, -0.9}, true},     // a tyre
-               {{0.0, 0.0, -1.0}, false},    // the road under it
-               {{0.0, 0.0, -1.04}, false}};  // and a label that reaches into it
+               {{0.0, 0.0, -1.0}, false},    // the road below
+               {{0.0, 0.0, -1.04}, false}};  // also if the label extends into the road
   for (const auto& [at_m, is_body] : cases) {
     Scene all = wall_and_actor();
     for (GaussianSet* const set : {&all.camera, &all.lidar}) {
@@ -101,7 +101,7 @@ TEST(FrameActors, AreThereWhenAskedFor) {
   SceneOnDevice scene(test::device(), wall_and_actor());
   const Sensor sensor = still_camera();
   EXPECT_THROW((void)scene.render(sensor, at_origin(sensor)).actors(), Error);
-  // Without actors nobody is anywhere.
+  // Without actors all rays have actor 0.
   Scene nobody = wall_and_actor();
   nobody.actors.clear();
   nobody.camera.actor.clear();

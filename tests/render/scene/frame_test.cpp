@@ -29,7 +29,7 @@ TEST(Frame, KeepsItsResultsWhateverIsRenderedLater) {
       frames.push_back(scene->render(sensors[i % 2], shot_of(sensors[i % 2], 0.03 * i)));
       if (fetched) frames.back().fetch();
     }
-    scene.reset();  // frames outlive what rendered them
+    scene.reset();  // frames outlive their renderer
     for (std::size_t i = 0; i < frames.size(); ++i) {
       frames[i].wait();
       EXPECT_TRUE(frames[i].is_ready());
@@ -82,7 +82,7 @@ TEST(Frame, HasPointsInTheWorldToAMillimetre) {
   EXPECT_GT(sweep.returns(), 100);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Eigen::Vector3d centre = shot.pose_at(sweep.rays.time_fraction[i]).translation;
-    // Floats would step by half a metre here.
+    // Floats would have steps of half a metre here.
     ASSERT_NEAR((points[i] - centre).norm(), static_cast<double>(sweep.range[i]), 1e-3) << i;
   }
 }
@@ -109,7 +109,7 @@ TEST(Frame, PutsPointsIntoTheWorldAndIntoTheSensor) {
   EXPECT_EQ(frame.returns(), 2);
   Shot shot = Shot::at({Eigen::Quaterniond::Identity(), {100.0, 0.0, 0.0}}, 0.0);
   shot.world_from_sensor_end.translation.y() = 1.0;
-  // The sensor's x looks along the world's y.
+  // The sensor's x axis points along the world's y axis.
   const Eigen::Quaterniond left(Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitZ()));
   const auto expect_points = [&](PointFrame in, const Eigen::Vector3d& first, const Eigen::Vector3d& second) {
     const auto points = points_of(lidar, frame, shot, in);
@@ -132,9 +132,9 @@ TEST(BestDistance, IsTheMeanOfOneSurfaceAndTheMedianOfSeveral) {
   seen.distance = {10.1F, 14.0F, 4.0F, 8.08F, 8.0F};
   seen.median = {10.0F, 10.0F, 0.0F, 10.0F, 10.1F};
   EXPECT_FLOAT_EQ(best_distance(seen, 0), 10.1F);
-  EXPECT_FLOAT_EQ(best_distance(seen, 1), 10.0F);  // the mean lies between two surfaces
-  EXPECT_FLOAT_EQ(best_distance(seen, 2), 10.0F);  // half of the light goes on
-  EXPECT_FLOAT_EQ(best_distance(seen, 3), 10.1F);  // a part of it does
+  EXPECT_FLOAT_EQ(best_distance(seen, 1), 10.0F);  // the mean is between two surfaces
+  EXPECT_FLOAT_EQ(best_distance(seen, 2), 10.0F);  // transmittance of one half
+  EXPECT_FLOAT_EQ(best_distance(seen, 3), 10.1F);  // transmittance below one half
   EXPECT_FLOAT_EQ(best_distance(seen, 4), 10.0F);
   seen.median.clear();
   EXPECT_FLOAT_EQ(best_distance(seen, 1), 14.0F);

@@ -1,4 +1,4 @@
-// Actors of which one side was seen: the other shows the mirror image.
+// Tests actors with one recorded side: the other side shows the mirror image.
 #include "host/core/record/mirror.hpp"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ Pose facing(double y_m) {
   return stands * test::forward_from_camera();
 }
 
-/// A car at the origin of random particles on both sides; what stands behind it stays.
+/// Returns a car at the origin with random particles on both sides, and background particles behind it.
 Scene car_of_particles() {
   test::SetRecipe recipe;
   recipe.sh_degree = 3;
@@ -58,7 +58,7 @@ TEST(MirrorActor, TheUnseenSideIsTheSeenOnesMirrorImage) {
     Scene scene = car_of_particles();
     ASSERT_TRUE(mirror_actor(scene, seen_from({seen, seen}), "car", "car"));
     EXPECT_EQ(scene.camera.actor.size(), static_cast<std::size_t>(scene.camera.size()));
-    scene.camera.params(0, kOpacityRow) = -80.0F;  // the background's
+    scene.camera.params(0, kOpacityRow) = -80.0F;  // of the background
     SceneOnDevice on_device(test::device(), scene);
     const Sensor camera(test::small_camera(48, 32));
     const Image left = on_device.render(camera, Shot::at(facing(kAway_m), 0.0)).image();
@@ -86,7 +86,7 @@ TEST(MirrorActor, TheSeenSideAndTheBackgroundStay) {
     EXPECT_EQ(scene.camera.params.row(next), before.camera.params.row(i));
     ++next;
   }
-  EXPECT_EQ(scene.camera.size(), 2 * next - 1);  // but for the background's one
+  EXPECT_EQ(scene.camera.size(), 2 * next - 1);  // except the background particle
 }
 
 TEST(MirrorActor, NothingWhereBothSidesWereSeenOrNone) {

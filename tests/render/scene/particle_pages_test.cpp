@@ -1,4 +1,4 @@
-// Sets of which a part is on the device at a time: the same bits as with all of it there.
+// Tests partially resident sets: equal bits as with the complete set on the device.
 #include "host/device/render/pages/particle_pages.hpp"
 
 #include <cmath>
@@ -28,7 +28,8 @@ std::shared_ptr<const GaussianSet> street(const SceneCase& scene) {
       street_particles(scene.kind, scene.sh_degree, kParticles, 1, StreetOrder::kCoherent, kLength_m));
 }
 
-/// A sensor that drives along the street; cameras look across it, or they would see all that is ahead.
+/// A sensor that moves along the street; cameras point across it, otherwise all particles ahead would be
+/// visible.
 class Drive {
  public:
   Drive(const Device& device, const SceneCase& scene, RenderOptions options)
@@ -61,7 +62,7 @@ class Drive {
   SensorRays rays_;
 };
 
-/// There and back, and a leap.
+/// Positions forward, back, and far away.
 constexpr double kPlaces_m[] = {-700, -660, -620, -500, -460, -500, -620, 300, 340, 380, -700};
 
 void expect_same_along(const SceneCase& scene, const RenderOptions& options, std::uint32_t places) {
@@ -81,11 +82,11 @@ void expect_same_along(const SceneCase& scene, const RenderOptions& options, std
     EXPECT_GT(pages.seen(), 0U);
     brought += pages.brought();
     for (const double value : expected) sum += std::abs(value);
-    // Nothing more where nothing has changed.
+    // No transfer without a change.
     ASSERT_EQ(drive.seen(pages, drive.at(x_m)), expected) << x_m;
     EXPECT_EQ(pages.brought(), 0U);
   }
-  EXPECT_GT(brought, places);  // places were used again
+  EXPECT_GT(brought, places);  // places were reused
   EXPECT_GT(sum, 0.0);
 }
 
@@ -113,7 +114,7 @@ TEST(ParticlePages, InDouble) {
   expect_same_along(test::kLidarMoving, options, 12);
 }
 
-/// Cars and a shape that bends, all of their particles behind the street's.
+/// Cars and a bending shape; all their particles follow the street's.
 TEST(ParticlePages, WithActorsThatMoveAndBend) {
   const Device& device = test::device();
   for (const SceneCase& scene : {test::kCameraRolling, test::kLidarMoving}) {
@@ -164,7 +165,7 @@ TEST(ParticlePages, RefuseWhatDoesNotFitAndGoOn) {
   expect_error(ErrorKind::kDevice, "particles that a frame may see, allowed 4096", [&] {
     (void)drive.seen(pages, drive.at(0.0));
   });
-  // Beyond the street's end, and far beyond it: nothing to see.
+  // Beyond the end of the street, near and far: no visible particles.
   for (const double x_m : {830.0, 5000.0}) {
     EXPECT_EQ(drive.seen(pages, drive.at(x_m)), drive.seen(all, drive.at(x_m)));
     EXPECT_EQ(pages.seen() == 0, x_m > 1000.0);
@@ -202,7 +203,7 @@ TEST(Pages, AsManyAsFitInWhatIsAskedFor) {
   EXPECT_EQ(page_count(*set, options), 20U);  // 40 000 of 2048
   EXPECT_EQ(pages_that_fit(device, *set, options), 20U);
   options.particle_memory_mb = 3;
-  // 38 rows, 16 of a record, 16 bytes of a footprint, and a key.
+  // 38 rows, 16 values of a record, 16 bytes of a footprint, and a key.
   EXPECT_EQ(pages_that_fit(device, *set, options), (3U << 20U) / (38 * 4 + 64 + 16 + 4) / 2048);
   options.sh_storage = ShStorage::kHalf;
   EXPECT_EQ(pages_that_fit(device, *set, options), (3U << 20U) / (11 * 4 + 27 * 2 + 64 + 16 + 4) / 2048);
@@ -227,7 +228,7 @@ TEST(Pages, ASceneInLittleMemoryIsTheSame) {
     ASSERT_EQ(found.distance, expected.distance) << x_m;
     for (int k = 0; k < 3; ++k) ASSERT_EQ(found.feature[k], expected.feature[k]) << x_m;
   }
-  // Gradients take all of the set, for as long as they are asked for.
+  // Gradients need the complete set, as long as they are requested.
   const Pose pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.9}};
   const Shot shot = Shot::at(pose, 0.0, 0.1);
   RayGradients ones;

@@ -27,7 +27,7 @@ std::string rounded(const Frame& frame, PixelOrder order) {
   return bytes;
 }
 
-/// Sizes that are and are no whole tiles; each after another one, whose buffer it takes over.
+/// Sizes with and without partial tiles; each frame reuses the previous buffer.
 TEST(PictureBytes, AreThoseOfTheResults) {
   for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
     const Device& device = test::device();
@@ -51,7 +51,7 @@ TEST(PictureBytes, AreThoseOfTheResults) {
   }
 }
 
-/// Every value that is half of a step, and its neighbours; what is none at all.
+/// All values halfway between steps and their neighbours; NaN.
 TEST(PictureBytes, RoundAsFilesDo) {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinite = std::numeric_limits<float>::infinity();

@@ -32,13 +32,13 @@ void expect_same(const RayResults& a, const RayResults& b) {
   EXPECT_EQ(a.median, b.median);
 }
 
-/// What the renderer below gives when everything is put together by hand.
+/// Returns the result of the renderer with manually assembled inputs.
 RayResults by_hand(const Device& device, const Scene& scene, const Sensor& sensor, const Shot& shot) {
   Renderer renderer(device, kBalanced);
   const RenderOptions& options = renderer.options();
   const SetKind kind = sensor.is_camera() ? SetKind::kCamera : SetKind::kLidar;
   const ParticleBuffers particles(device, sensor.is_camera() ? scene.camera : scene.lidar, options);
-  // The rays are a temporary: the pass keeps what results() needs.
+  // The rays are a temporary object: the pass keeps the data of results().
   const Pass pass =
       renderer.render(particles,
                       sensor.is_camera() ? SensorRays(device, sensor.camera(), options)
@@ -56,7 +56,7 @@ TEST(SceneOnDevice, IsTheRendererWithEverythingInPlace) {
     const Frame frame = scene.render(sensor, shot);
     expect_same(frame.results(), by_hand(device, test::two_cars(), sensor, shot));
     const std::vector<float>& left = frame.results().transmittance;
-    EXPECT_LT(*std::min_element(left.begin(), left.end()), 0.5F);  // there is something to see
+    EXPECT_LT(*std::min_element(left.begin(), left.end()), 0.5F);  // some particle is visible
   }
 }
 
@@ -71,7 +71,7 @@ TEST(SceneOnDevice, TellsSensorsApart) {
   wider.width = 40;
   EXPECT_EQ(scene.render(Sensor(wider), shot).image().width, 40);
   EXPECT_EQ(scene.sensor_count(), 3U);
-  // Made anew, and carried elsewhere: the same rays.
+  // Recreated and mounted elsewhere: the same rays.
   EXPECT_EQ(scene.render(test::camera().named("other").mounted({}), shot).image().data, image.data);
   EXPECT_EQ(scene.sensor_count(), 3U);
   wider.fy = -1.0;
@@ -154,15 +154,15 @@ TEST(SceneOnDevice, EditsOfAShotAreThoseOfAScene) {
       c.edit(edited);
       shot.edits.clear();
       expect_same(found, SceneOnDevice(device, std::move(edited)).render(sensor, shot).results());
-      expect_same(scene.render(sensor, shot).results(), plain);  // the scene is as it was
+      expect_same(scene.render(sensor, shot).results(), plain);  // the scene is unchanged
     }
     shot.edits = {{"nobody", ActorEdit::Remove{}}};
     EXPECT_THROW((void)scene.render(sensor, shot), Error);
   }
 }
 
-/// two_cars(), the first of which hides every fifth particle of the background, and whose place every other
-/// fifth fills.
+/// Returns two_cars(), the first of which occludes every fifth particle of the background; every other fifth
+/// is its inpainted set.
 Scene two_cars_and_a_place() {
   Scene scene = test::two_cars();
   scene.occluders = {scene.actors[0]};
@@ -179,7 +179,7 @@ Scene two_cars_and_a_place() {
 TEST(SceneOnDevice, EditsShowWhatIsThereInsteadOfWhatWasHidden) {
   const Device& device = test::device();
   SceneOnDevice scene(device, two_cars_and_a_place());
-  // The same without occluders: what is left of each of the background's thirds.
+  // The same without occluders: the remaining particles of each third of the background.
   const auto with = [&](const std::vector<std::uint32_t>& shown, bool removed) {
     Scene plain = two_cars_and_a_place();
     for (GaussianSet* set : {&plain.camera, &plain.lidar}) {
@@ -220,7 +220,7 @@ TEST(SceneOnDevice, EditsShowWhatIsThereInsteadOfWhatWasHidden) {
   }
 }
 
-/// two_cars(), each third of whose background is seen from another place.
+/// Returns two_cars() with a visibility set for each third of the background.
 Scene two_cars_and_visibility_sets() {
   Scene scene = test::two_cars();
   for (const double x : {-1.5, 1.5, 6.5})
@@ -236,7 +236,7 @@ Scene two_cars_and_visibility_sets() {
 TEST(SceneOnDevice, AVistaIsSeenFromItsPlaceAndFadesBeyond) {
   const Device& device = test::device();
   SceneOnDevice scene(device, two_cars_and_visibility_sets());
-  // The same without visibility_sets: particles as opaque as they are seen from there.
+  // The same without visibility sets: particles with the opacity of this position.
   const auto plain_at = [](const std::vector<double>& shares) {
     Scene plain = two_cars_and_visibility_sets();
     for (GaussianSet* set : {&plain.camera, &plain.lidar}) {
@@ -264,9 +264,9 @@ TEST(SceneOnDevice, AVistaIsSeenFromItsPlaceAndFadesBeyond) {
       shot.world_from_sensor_start.translation.x() += ahead_m;
       shot.world_from_sensor_end.translation.x() += ahead_m;
       auto shares = visibility_shares(scene.scene().visibility_sets, shot.pose_at(0.5).translation);
-      EXPECT_EQ(shares[0] > 0.0, ahead_m < 3.2);  // one goes, one comes
+      EXPECT_EQ(shares[0] > 0.0, ahead_m < 3.2);  // one fades out, one fades in
       EXPECT_EQ(shares[2] > 0.0, ahead_m > 0.6);
-      if (!sensor.is_camera()) shares.assign(3, 1.0);  // LiDARs see all of them
+      if (!sensor.is_camera()) shares.assign(3, 1.0);  // LiDARs use all of them
       const Frame frame = scene.render(sensor, shot, {.actors = true});
       const RayResults found = frame.results();
       const RayResults expected = SceneOnDevice(device, plain_at(shares)).render(sensor, shot).results();
@@ -311,7 +311,7 @@ TEST(SceneOnDevice, PixelsAreAsWideAsTheSceneWasTrainedWithUnlessAsked) {
   expect_same(own, with(kPixelVariance_px2, 0.3));
   expect_same(with(kPixelVariance_px2, kOfScene), with(0.3, kPixelVariance_px2));
   EXPECT_NE(own.transmittance, with(0.3, kPixelVariance_px2).transmittance);
-  // The scene that is looked at may change.
+  // The rendered scene may change.
   Scene other = test::two_cars();
   other.camera_filter_px2 = 0.3;
   SceneOnDevice changing(device, test::two_cars());
@@ -348,9 +348,9 @@ TEST(SceneOnDevice, PicturesHaveWhatTheirSceneHasBesideParticles) {
   EXPECT_NE(seen.feature[0], ungraded.feature[0]);
   expect_same(scene.render(camera, shot, {.graded = false}).results(), ungraded);
   Camera unknown = camera.camera();
-  unknown.name = "never trained on";  // all that there is to know of its colours is what the others have
+  unknown.name = "never trained on";  // uses the mean colours of the others
   expect_same(scene.render(Sensor(unknown), shot).results(), seen);
-  scene.set_scene(test::two_cars());  // black has no sky
+  scene.set_scene(test::two_cars());  // a black background has no sky
   EXPECT_NE(scene.render(camera, shot).results().feature[0], ungraded.feature[0]);
 }
 
@@ -392,7 +392,7 @@ TEST(SceneOnDevice, MakesRaysAnewForWhatTheyDependOnAlone) {
   EXPECT_EQ(rendered("render.alpha_cut=0.03", some), 5U);
 }
 
-/// Cameras that differ in their focal lengths.
+/// Cameras with distinct focal lengths.
 TEST(RayCache, KeepsWhatComesBackAndLittleOfWhatDoesNot) {
   const Device& device = test::device();
   const RenderOptions options;
@@ -418,7 +418,8 @@ TEST(RayCache, KeepsWhatComesBackAndLittleOfWhatDoesNot) {
   EXPECT_EQ(cache.size(), 10U);  // a quarter
   for (std::size_t number = 90; number < 100; ++number) use(number);
   EXPECT_EQ(made, 100U);
-  for (std::size_t number = 0; number < 20; ++number) use(number);  // went before they came back: known
+  // evicted before their second use: recognised
+  for (std::size_t number = 0; number < 20; ++number) use(number);
   EXPECT_EQ(made, 120U);
   for (std::size_t number = 100; number < 200; ++number) use(number);
   EXPECT_EQ(made, 220U);

@@ -1,4 +1,4 @@
-// Support: the kernel against a sequential loop in double, and what it is meant to say.
+// Tests support: the kernel against a sequential loop in double, and its meaning.
 #include "host/device/support/support.hpp"
 
 #include <algorithm>
@@ -31,7 +31,7 @@ SupportGrid grid_of(const Sensor& sensor) {
   return sensor.is_camera() ? support_grid(sensor.camera()) : support_grid(sensor.lidar());
 }
 
-/// A view that saw what the frame shows, `error` off.
+/// Adds a view that shows the frame's content with `error`.
 void add_view(SupportRecord& record, const Frame& frame, const Pose& world_from_sensor, double error) {
   const Sensor& sensor = frame.sensor();
   const SupportGrid grid = grid_of(sensor);
@@ -63,10 +63,10 @@ void add_view(SupportRecord& record, const Frame& frame, const Pose& world_from_
   record.cells.insert(record.cells.end(), cells.begin(), cells.end());
 }
 
-/// What the kernel does, ray by ray: what views tell of where it ends, and it of itself.
+/// Result of the kernel for one ray: contributions of views at its end, and its own.
 struct Expected {
   double odds = 0.0, own_odds = 0.0, at_all = 0.0;
-  /// Of a ray whose end is looked up where `told` is.
+  /// Returns the support of a ray whose end is looked up at `told`.
   [[nodiscard]] double support(const Expected& told) const {
     return told.at_all / (1.0 + std::exp(-told.odds - own_odds));
   }
@@ -160,7 +160,7 @@ Pose at_m(const Eigen::Vector3d& position_m, double yaw_rad = 0.0) {
 }
 Pose beside(double left_m, double yaw_rad) { return at_m({0.0, left_m, 0.0}, yaw_rad); }
 
-/// Where the sensor stands `left_m` to the left of where at_origin() has it.
+/// Returns a shot of the sensor `left_m` to the left of at_origin().
 Shot shot_beside(const Sensor& sensor, double left_m, double yaw_rad = 0.0) {
   Shot shot = at_origin(sensor);
   shot.world_from_sensor_start = beside(left_m, yaw_rad) * shot.world_from_sensor_start;
@@ -193,7 +193,8 @@ class Support : public testing::TestWithParam<bool> {
   [[nodiscard]] static Sensor sensor() { return GetParam() ? still_camera() : still_lidar(); }
 };
 
-/// The kernel against a sequential loop; `stack`: rows of 4 slots, one behind the other, that share what is looked up.
+/// Tests the kernel against a sequential loop; `stack`: number of consecutive rows of 4 slots that share a
+/// look-up.
 void expect_as_sequential(const Sensor& recording, const Sensor& sensor, std::size_t stack) {
   RenderOptions twice;
   twice.precision = Precision::kDouble;
@@ -209,7 +210,7 @@ void expect_as_sequential(const Sensor& recording, const Sensor& sensor, std::si
     const RayGrid& grid = FrameAccess::grid(frame);
     const auto ray_at = [&](std::size_t slot) { return grid.ray_of_slot[slot]; };
     for (std::size_t run = 0; run < grid.ray_of_slot.size(); run += 4 * stack) {
-      // The second of the middle row's is looked up, or where there is none the first that is one.
+      // The second slot of the middle row is looked up, or else the first slot with a ray.
       std::vector<std::size_t> slots(4 * stack);
       std::iota(slots.begin(), slots.end(), run);
       std::size_t telling = slots[stack / 2 * 4 + 1];
@@ -228,7 +229,7 @@ void expect_as_sequential(const Sensor& recording, const Sensor& sensor, std::si
       off += run_off > 0 ? 1 : 0;
     }
     EXPECT_EQ(compared, found.size());
-    // At the edge of a cell the two may look into neighbours.
+    // At the edge of a cell the two may use neighbouring cells.
     EXPECT_LE(off * stack, found.size() / 50);
     EXPECT_GT(known, found.size() / 20);
   }
@@ -244,7 +245,7 @@ TEST(SupportOfFinerPictures, IsLookedUpFourTimesInACell) {
   expect_as_sequential(recording, of_size(36, 24), 1);
   expect_as_sequential(recording, of_size(72, 48), 2);
   expect_as_sequential(recording, of_size(96, 64), 4);
-  // More than four times; its last tiles are not whole.
+  // More than four times; its last tiles are partial.
   expect_as_sequential(recording, of_size(201, 131), 4);
 }
 
@@ -316,7 +317,7 @@ TEST_P(Support, IsNoneWhereNothingWasRecorded) {
   };
   SupportRecord record = recorded(scene, sensor(), {0.0});
   EXPECT_FALSE(all_zero(record));
-  SupportRecord hidden = record;  // by something that stood before it all
+  SupportRecord hidden = record;  // by an object in front of all
   for (SupportCell& cell : hidden.cells) cell.nearest_m = cell.farthest_m = 0.2F;
   EXPECT_TRUE(all_zero(hidden));
   SupportRecord blind = record;
@@ -354,7 +355,7 @@ TEST(SupportOfActors, GoesWithThemAndTheirCopies) {
     const std::vector<float> all = support.of(frame, shown, copies);
     std::vector<float> own;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      // At its soft rim a mean distance is between it and the wall.
+      // At its soft edge the mean distance is between the actor and the wall.
       if (actors[i] != 0 && frame.results().expected_distance(i) < 5.8F) own.push_back(all[i]);
     }
     if (own.empty()) return -1.0;
@@ -364,14 +365,14 @@ TEST(SupportOfActors, GoesWithThemAndTheirCopies) {
   const Scene as_recorded = scene.scene();
   const double still = of_actors(as_recorded, at_origin(camera), {});
   EXPECT_GT(still, 0.3);
-  // Another name: seen as little as what came from elsewhere, unless it is known to be a copy.
+  // Another name: support of an unknown object, unless it is registered as a copy.
   Scene renamed = as_recorded;
   for (Actor& actor : renamed.actors) actor.name += "_2";
   EXPECT_LT(of_actors(renamed, at_origin(camera), {}), 0.05);
   ActorCopies copies;
   for (const Actor& actor : as_recorded.actors) copies[actor.name + "_2"] = actor.name;
   EXPECT_NEAR(of_actors(renamed, at_origin(camera), copies), still, 1e-6);
-  // Turned round, a side is shown that no view had.
+  // Rotated by 180 degrees, it shows an unrecorded side.
   Shot turned = at_origin(camera);
   for (const Actor& actor : as_recorded.actors) turned.edits.push_back({actor.name, ActorEdit::Turn{2.5}});
   EXPECT_LT(of_actors(as_recorded, turned, {}), 0.8 * still);
@@ -398,7 +399,7 @@ TEST(SupportViews, OfARigsCamerasLookTheSameWay) {
     record.views.push_back(
         {i % kCameras, 0.1 * static_cast<double>(i / kCameras), at_m(position_m, yaw_rad)});
   }
-  // Half-way between the directions of two of them, nearer to one's.
+  // Between the directions of two views, nearer to one of them.
   const double yaw_rad = 2.4 * 2.0 * std::numbers::pi / kCameras;
   const auto views = support_views_around(record, SetKind::kCamera, at_m({3.0, 0.0, 0.0}, yaw_rad));
   ASSERT_EQ(views.size(), kMostSupportViews);

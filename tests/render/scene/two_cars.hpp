@@ -1,5 +1,5 @@
 #pragma once
-// A scene that tests of frames share: background and two cars that drive, far from the world's origin.
+// A scene for tests of frames: background and two moving cars, far from the world origin.
 #include <string>
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace simuli::test {
 
-/// Powers of two: sums with what stands around the sensor are exact.
+/// Powers of two: sums with coordinates around the sensor are exact.
 inline const Eigen::Vector3d kOrigin{524288.0, 4194304.0, 128.0};
 
 inline GaussianSet background_and_cars(SetKind kind) {
@@ -30,7 +30,7 @@ inline GaussianSet background_and_cars(SetKind kind) {
   return set;
 }
 
-/// Drives 8 m/s and turns.
+/// Moves at 8 m/s and rotates.
 inline Actor driving(const std::string& name, const Eigen::Vector3d& start, double yaw) {
   Actor actor{name, "car", {4.4, 2.0, 1.6}, {}};
   for (int i = 0; i < 4; ++i) {
@@ -48,7 +48,7 @@ inline Scene two_cars() {
   scene.lidar = background_and_cars(SetKind::kLidar);
   scene.actors = {driving("near", {6.0, 1.0, -0.4}, 0.3), driving("far", {9.0, -2.5, 0.2}, -2.0)};
   scene.camera_background = {0.1F, 0.2F, 0.4F};
-  scene.lidar_background = {0.5F, 2.0F, -2.0F};  // rays that meet something return
+  scene.lidar_background = {0.5F, 2.0F, -2.0F};  // rays with a hit return
   return scene;
 }
 
@@ -60,7 +60,7 @@ inline Camera rolling_camera() {
 inline Sensor camera() { return Sensor(rolling_camera(), forward_from_camera(), 0.02); }
 inline Sensor lidar() { return Sensor(small_lidar(16, 180)); }
 
-/// The rig drives 10 m/s along x.
+/// Returns an ego trajectory of 10 m/s along x.
 inline Trajectory path() {
   std::vector<TimedPose> poses;
   for (int i = 0; i < 5; ++i) {

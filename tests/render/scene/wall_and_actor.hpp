@@ -1,5 +1,5 @@
 #pragma once
-// A scene that tells depths and actors apart: a wall, an actor before it, another behind the sensor.
+// A scene with distinct depths and actors: a wall, an actor in front of it, another behind the sensor.
 #include "host/device/render/scene/scene_on_device.hpp"
 #include "tests/support/scenes.hpp"
 
@@ -11,7 +11,7 @@ inline Sensor still_camera() { return Sensor(small_camera(48, 32), forward_from_
 inline Sensor still_lidar() { return Sensor(small_lidar(16, 180)); }
 inline Shot at_origin(const Sensor& sensor) { return Shot::at(sensor, {}, 0.0); }
 
-/// A wall that is turned to the left, its middle 10 m ahead, and an actor's smaller one 5 m ahead.
+/// Returns a wall rotated to the left with its centre 10 m ahead, and an actor's smaller wall 5 m ahead.
 inline Scene wall_and_actor() {
   Scene scene;
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(kWallYaw, Eigen::Vector3d::UnitZ()));

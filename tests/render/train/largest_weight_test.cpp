@@ -1,4 +1,4 @@
-// What a frame could do without: the largest weight of each particle, against gradients ray by ray.
+// Tests the largest weight of each particle against gradients ray by ray.
 #include <algorithm>
 #include <bit>
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ std::vector<float> largest_weights(Pass& pass, const Device& device, std::size_t
   return out;
 }
 
-/// dL/d(a feature's SH of degree 0) is kSh0 times the weights of the rays that L sums.
+/// dL/d(a feature's SH of degree 0) is kSh0 times the weights of the rays in L.
 TEST(LargestWeight, IsThatOfTheRayThatSeesMostOfAParticle) {
   const Device& device = test::device();
   for (const test::SceneCase& scene : {test::kLidarStill, test::kLidarMoving}) {

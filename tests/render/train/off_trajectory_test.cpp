@@ -1,5 +1,5 @@
-// What a recorded picture shows of the surfaces that are seen from beside it, against the same pixel by
-// pixel.
+// Tests the colours of a recorded picture on surfaces of an off-trajectory view against a pixel-by-pixel
+// computation.
 #include <cmath>
 #include <gtest/gtest.h>
 #include <optional>
@@ -14,9 +14,9 @@ namespace simuli {
 namespace off_trajectory_test {
 
 constexpr int kWidth = 96, kHeight = 54;
-constexpr double kSettled_px = 0.05;  // of the search for the time of a rolling shutter
+constexpr double kSettled_px = 0.05;  // tolerance of the search for the time of a rolling shutter
 
-/// The set's surfaces as a camera sees them.
+/// Surfaces of the set in a camera view.
 struct Seen {
   View view;
   RayResults rays;
@@ -24,13 +24,13 @@ struct Seen {
     return interpolate(
         view.scene_from_sensor_start, view.scene_from_sensor_end, camera.exposure_fraction(pixel));
   }
-  /// m; negative where there is none alone.
+  /// Returns the distance in m; negative without a single surface.
   [[nodiscard]] double surface_m(std::size_t pixel) const {
     return rays.transmittance[pixel] < 0.2F ? static_cast<double>(rays.expected_distance(pixel)) : -1.0;
   }
 };
 
-/// Where `recorded` has a point of the scene frame; false outside of its picture.
+/// Projects a point of the scene frame to `recorded`; returns false outside of its picture.
 bool project(const Camera& camera,
              const Seen& recorded,
              const Eigen::Vector3d& p,
@@ -44,7 +44,7 @@ bool project(const Camera& camera,
   return found.x() >= 0.0 && found.x() < camera.width && found.y() >= 0.0 && found.y() < camera.height;
 }
 
-/// Whether a place is so near to another pixel that it may be taken for one of that.
+/// Whether a position is so close to another pixel that rounding may select it.
 bool is_between(const Eigen::Vector2d& found) {
   return std::abs(found.x() - std::round(found.x())) < kSettled_px ||
          std::abs(found.y() - std::round(found.y())) < kSettled_px;
@@ -55,8 +55,8 @@ std::size_t pixel_at(const Camera& camera, const Eigen::Vector2d& found) {
          static_cast<std::size_t>(found.x());
 }
 
-/// Where the recorded picture shows what `beside` sees at a pixel; false where it doesn't, and `doubt` where
-/// that is a matter of rounding.
+/// Computes the position in the recorded picture of the surface at a pixel of `beside`; returns false if it
+/// is not visible, and sets `doubt` if the decision depends on rounding.
 bool shows(const Camera& camera,
            const Seen& recorded,
            const Seen& beside,
@@ -81,8 +81,9 @@ bool shows(const Camera& camera,
   return there_m > 0.0 && gap <= 0.03;
 }
 
-/// The colour that the recorded picture, plain but for steps of at least 0.1, shows of all places along the
-/// ray of a pixel in which `beside` sees nothing; empty where it shows more than one, or not all of them.
+/// Returns the colour of the recorded picture, constant except for steps of at least 0.1, at all positions
+/// along a pixel's ray without a surface in `beside`; empty if it has several colours or not all positions
+/// are visible.
 std::optional<float> colour_of_all(const Camera& camera,
                                    const Seen& recorded,
                                    const Seen& beside,
@@ -111,7 +112,7 @@ std::optional<float> colour_of_all(const Camera& camera,
     const float passes = recorded.rays.transmittance[at];
     const double there_m = recorded.surface_m(at), gap = there_m / in_camera.norm() - 1.03;
     doubt = doubt || near_open(passes) || std::abs(passes - 0.2F) < 1e-4F || std::abs(gap) < 1e-3;
-    // Next to a step the colour is a mixture of two, and next to a surface it may be taken for that.
+    // Next to a step the colour is a mixture, and next to a surface the position may be on it.
     const auto x = static_cast<int>(found.x()), y = static_cast<int>(found.y());
     for (const auto& [dx, dy] : {std::pair(-1, 0), std::pair(1, 0), std::pair(0, -1), std::pair(0, 1)}) {
       if (x + dx < 0 || x + dx >= kWidth || y + dy < 0 || y + dy >= kHeight) continue;
@@ -120,7 +121,7 @@ std::optional<float> colour_of_all(const Camera& camera,
                            (recorded.surface_m(next) > 0.0) == (there_m > 0.0);
       doubt = doubt || red[next] != red[at] || (is_between(found) && (!is_like || there_m > 0.0));
     }
-    if (look > 0 && gap > 0.0) continue;  // that place is empty
+    if (look > 0 && gap > 0.0) continue;  // this position is empty
     if (!(passes > 0.95F)) return std::nullopt;
     if (colour && std::abs(red[at] - *colour) > 0.04F) return std::nullopt;
     if (!colour) colour = red[at];
@@ -131,7 +132,7 @@ std::optional<float> colour_of_all(const Camera& camera,
 
 class FromBeside : public testing::TestWithParam<test::SceneCase> {
  protected:
-  /// Two views of a set's surfaces, and what the picture recorded in the one shows of the other's, [3][rays].
+  /// Two views of a set's surfaces, and the colours of one view's picture on the other's surfaces, [3][rays].
   struct Beside {
     Seen recorded, beside;
     std::vector<double> found;
@@ -165,7 +166,7 @@ class FromBeside : public testing::TestWithParam<test::SceneCase> {
 
 TEST_P(FromBeside, SurfacesHaveTheColoursThatThePictureHasOfThem) {
   const Camera& camera = shot_.camera;
-  // Colours that tell where a pixel is, so that those between pixels are what they should be; some unknown.
+  // Colours that identify a pixel's position, so that interpolated colours are known; some unknown.
   const std::size_t pixels = rays_.grid().rays;
   std::vector<float> picture(3 * pixels);
   std::vector<bool> is_known(pixels, true);
@@ -207,7 +208,7 @@ TEST_P(FromBeside, SurfacesHaveTheColoursThatThePictureHasOfThem) {
 
 TEST_P(FromBeside, WhereNothingStandsIsWhatIsSeenThereAtAnyDistance) {
   const Camera& camera = shot_.camera;
-  // A house before the sky, a part of the picture unknown; the sky pales a little to one side.
+  // A house in front of the sky, a part of the picture unknown; the sky is slightly lighter on one side.
   const std::size_t pixels = rays_.grid().rays;
   std::vector<float> picture(3 * pixels, 0.5F);
   for (std::size_t i = 0; i < pixels; ++i) {

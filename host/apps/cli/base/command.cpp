@@ -18,14 +18,14 @@
 
 namespace simuli::cli {
 
-/// By option, as the library that reads arguments has no place for them.
+/// Additional data by option, which the parser library cannot store.
 struct OptionMarks {
   std::map<const CLI::Option*, std::function<std::vector<std::string>()>> completions;
 };
 
 namespace {
 
-/// The library's own checks of open ranges tell the largest double in 309 digits.
+/// Checks an open range. The library's own checks print the largest double in 309 digits.
 CLI::Validator number(const char* name, const char* allowed, bool (*is_allowed)(double)) {
   const auto check = [=](const std::string& text) -> std::string {
     double value = 0.0;
@@ -35,12 +35,12 @@ CLI::Validator number(const char* name, const char* allowed, bool (*is_allowed)(
   return {check, name};
 }
 
-/// One of the library's, which refuses in this program's words.
+/// Wraps a check of the library with this program's message.
 CLI::Validator reworded(const CLI::Validator& check, const std::string& allowed) {
-  const auto told = [=](const std::string& text) {
+  const auto checked = [=](const std::string& text) {
     return check(text).empty() ? std::string() : fmt::format("found {}, allowed {}", text, allowed);
   };
-  return {told, check.get_description()};
+  return {checked, check.get_description()};
 }
 
 template <class T>
@@ -48,7 +48,7 @@ CLI::Validator within(T least, T most) {
   return reworded(CLI::Range(least, most), fmt::format("{} to {}", least, most));
 }
 
-/// The library reads a number that T can't hold as the nearest that it can.
+/// Checks the range of T, because the library clamps a number to it silently.
 template <class T>
 std::string unless_held(const std::string& text) {
   errno = 0;
@@ -61,23 +61,23 @@ std::string unless_held(const std::string& text) {
   return fmt::format("found {}, allowed {} to {}", text, Limits::min(), Limits::max());
 }
 
-/// "program draw": what is typed to come here.
+/// Returns "program draw": the words that select this command.
 std::string full_name(const CLI::App& app) {
   const CLI::App* const parent = app.get_parent();
   return parent == nullptr ? app.get_name() : full_name(*parent) + ' ' + app.get_name();
 }
 
-/// The innermost command that was met.
+/// Returns the innermost command on the command line.
 const CLI::App& reached(const CLI::App& app) {
-  const std::vector<CLI::App*> met = app.get_subcommands();
-  return met.empty() ? app : reached(*met.front());
+  const std::vector<CLI::App*> found = app.get_subcommands();
+  return found.empty() ? app : reached(*found.front());
 }
 
-bool is_told(const CLI::App* command) { return !command->get_group().empty(); }
+bool is_listed(const CLI::App* command) { return !command->get_group().empty(); }
 
 std::vector<std::string> command_names(const CLI::App& app) {
   std::vector<std::string> names;
-  for (const CLI::App* const command : app.get_subcommands(is_told)) {
+  for (const CLI::App* const command : app.get_subcommands(is_listed)) {
     names.push_back(command->get_name());
   }
   return names;
@@ -98,7 +98,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-/// What is wrong with a word that nothing takes.
+/// Returns the error for a word that no option or command takes.
 std::string unknown_word(const CLI::App& app, const std::string& word) {
   if (word.starts_with('-')) {
     const std::string name = word.substr(0, word.find('='));
@@ -113,20 +113,20 @@ std::string unknown_word(const CLI::App& app, const std::string& word) {
       "found \"{}\", {}allowed {}", word, did_you_mean(word, commands), fmt::join(commands, ", "));
 }
 
-/// What the arguments are refused with.
+/// Returns the error message for the arguments.
 std::string refusal(const CLI::App& root, const CLI::ParseError& error) {
   const CLI::App& app = reached(root);
   const std::vector<std::string> unknown = root.remaining(true);
   const bool lacks_something = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
   const bool has_more = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
   std::string what = error.what();
-  // The library names a missing command or value before it names an unknown word.
+  // The library reports a missing command or value before an unknown word.
   if (!unknown.empty() && (lacks_something || has_more)) {
     what = unknown_word(app, unknown.front());
   } else if (const auto commands = command_names(app); lacks_something && !commands.empty()) {
     what = fmt::format("found no command, allowed {}", fmt::join(commands, ", "));
   }
-  // What it can't read as a number it tells in a way of its own: "Could not convert: --count = many".
+  // The library reports text that is not a number as "Could not convert: --count = many".
   constexpr std::string_view kUnread = "Could not convert: ", kEquals = " = ";
   if (const std::size_t equals = what.find(kEquals);
       what.starts_with(kUnread) && equals != std::string::npos) {
@@ -138,7 +138,7 @@ std::string refusal(const CLI::App& root, const CLI::ParseError& error) {
                        what.substr(equals + kEquals.size()),
                        is_whole ? "whole number" : "number");
   }
-  // What is given too often: "--count: At Most 1 required but received 2".
+  // The library reports too many values as "--count: At Most 1 required but received 2".
   constexpr std::string_view kMost = ": At Most ", kReceived = " required but received ";
   if (const std::size_t most = what.find(kMost), received = what.find(kReceived, most);
       received != std::string::npos) {
@@ -176,13 +176,13 @@ CommandText text_of(const CLI::App& app, const OptionMarks& marks) {
   for (const CLI::Option* const option : app.get_options()) {
     text.options.push_back(text_of(*option, marks));
   }
-  for (const CLI::App* const command : app.get_subcommands(is_told)) {
+  for (const CLI::App* const command : app.get_subcommands(is_listed)) {
     text.commands.push_back(text_of(*command, marks));
   }
   return text;
 }
 
-/// The program's own options, below those of each command that takes them, too.
+/// Returns the help of the global options, printed below the options of each command.
 std::string shared_options(const CLI::App& command) {
   const CLI::App* root = &command;
   while (root->get_parent() != nullptr) root = root->get_parent();
@@ -194,7 +194,7 @@ std::string shared_options(const CLI::App& command) {
   return formatter->make_group("Options of every command", false, shown);
 }
 
-/// The library's own prints a description as one line, however long.
+/// Wraps descriptions; the library's formatter prints each in one line.
 class WrappedHelp : public CLI::Formatter {
   [[nodiscard]] std::string make_option_desc(const CLI::Option* option) const override {
     constexpr std::size_t kColumns = 110;
@@ -211,7 +211,7 @@ class WrappedHelp : public CLI::Formatter {
   }
 };
 
-/// Leaves the library's parsing with what is to be run instead.
+/// Ends the library's parsing; `run` is called instead of a command.
 struct Answer {
   std::function<void()> run;
 };
@@ -311,12 +311,12 @@ bool Option::is_given() const { return option_->count() > 0; }
 template <OptionValue T>
 Option Command::option(const std::string& names, T& value, const std::string& help) const {
   CLI::Option* const option = app_->add_option(names, value, help);
-  // The library reads -1 as the largest of them.
+  // The library converts -1 to the largest value.
   if constexpr (std::same_as<T, std::size_t>) {
     option->check(number("", "a whole number from 0 on", [](double number) { return number >= 0.0; }));
   }
   if constexpr (std::integral<T>) option->check(CLI::Validator(unless_held<T>, ""));
-  // Which would read as not given at all.
+  // An empty text would mean an absent option.
   if constexpr (std::same_as<T, std::string> || std::same_as<T, std::filesystem::path>) {
     option->check(CLI::Validator(
         [](const std::string& text) {
@@ -324,7 +324,7 @@ Option Command::option(const std::string& names, T& value, const std::string& he
         },
         ""));
   }
-  // And "nan" and "inf" as numbers, which no range of the library's refuses.
+  // The library's ranges accept "nan" and "inf".
   if constexpr (std::same_as<T, double>) {
     option->check(CLI::Validator(
         [](const std::string& text) -> std::string {
@@ -373,16 +373,16 @@ struct CommandLine::Impl {
   std::map<std::string, Forward, std::less<>> foreign;
 
   Impl(const std::string& name, const std::string& about) : app(about, name) {
-    app.formatter(std::make_shared<WrappedHelp>());  // of its commands, too
+    app.formatter(std::make_shared<WrappedHelp>());  // also for its commands
   }
 
-  /// Place of the command's name, or argc.
+  /// Returns the index of the command's name, or argc.
   [[nodiscard]] int command_at(int argc, const char* const* argv) const {
     for (int i = 1; i < argc; ++i) {
       const std::string_view word = argv[i];
       if (!word.starts_with('-')) return i;
       const CLI::Option* const option = app.get_option_no_throw(std::string(word));
-      if (option != nullptr && option->get_items_expected_max() > 0) ++i;  // its value
+      if (option != nullptr && option->get_items_expected_max() > 0) ++i;  // value of the option
     }
     return argc;
   }
@@ -391,7 +391,7 @@ struct CommandLine::Impl {
 CommandLine::CommandLine(const std::string& name, const std::string& about, std::function<std::string()> ask)
     : impl_(std::make_unique<Impl>(name, about)) {
   impl_->app.set_version_flag("-v,--version", std::move(ask));
-  impl_->app.fallthrough();  // global options may stand behind the command's name
+  impl_->app.fallthrough();  // global options are also allowed after the command's name
 }
 
 CommandLine::~CommandLine() = default;
@@ -407,7 +407,7 @@ void CommandLine::add_foreign(const std::string& name, const std::string& help, 
 }
 
 bool CommandLine::parse(int argc, const char* const* argv) {
-  // As other programs take them: `help`, `help COMMAND`, `version`.
+  // Accepts `help`, `help COMMAND` and `version`, as other programs do.
   if (const std::string_view first = argc > 1 ? argv[1] : ""; first == "help" || first == "version") {
     std::vector<const char*> as{argv[0]};
     if (first == "help") as.insert(as.end(), argv + 2, argv + argc);

@@ -1,6 +1,6 @@
 #pragma once
-// A command line as the commands describe it: options by name, typed by what they set, with their help. Which
-// library reads it is known to command.cpp alone.
+// Command line as commands declare it: typed options with names and help. Only command.cpp depends on the
+// parser library.
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -21,24 +21,24 @@ namespace simuli::cli {
 
 struct OptionMarks;
 
-/// What an option can set. Numbers are read whole, in decimal; a vector takes every value up to the next
-/// option.
+/// Types that an option can set. Numbers are decimal and must fill the complete argument; a vector takes all
+/// values up to the next option.
 template <class T>
 concept OptionValue = std::same_as<T, std::string> || std::same_as<T, std::filesystem::path> ||
     std::same_as<T, int> || std::same_as<T, std::int64_t> || std::same_as<T, std::size_t> ||
     std::same_as<T, double> || std::same_as<T, std::vector<std::string>>;
 
-/// One option of a command; what is said of it holds for the option, however often this is copied.
+/// One option of a command. A handle: copies refer to the same option.
 class Option {
  public:
   Option& required();
-  /// Values that can be told beforehand, for shells to complete; others may be allowed, too.
+  /// Sets the values that shells complete; other values may be allowed, too.
   Option& completed_by(std::function<std::vector<std::string>()> values);
-  /// The help tells what the value is now.
+  /// Shows the current value as the default in the help.
   Option& with_default();
-  /// What stands in the help for its type and its default.
+  /// Sets the type and the default in the help.
   Option& shown_as(const std::string& type, const std::string& value);
-  /// Values within, both ends allowed.
+  /// Allows values from `least` to `most`, both included.
   Option& range(int least, int most);
   Option& range(std::int64_t least, std::int64_t most);
   Option& range(double least, double most);
@@ -46,20 +46,20 @@ class Option {
   Option& non_negative();
   Option& one_of(std::initializer_list<const char*> values);
   Option& one_of(std::initializer_list<int> values);
-  /// How many values it takes.
+  /// Sets the allowed number of values.
   Option& values(int least, int most);
-  /// Of a vector: one value each time that the option is given, any number of times.
+  /// For a vector: each occurrence of the option takes one value; the option may be repeated.
   Option& one_at_a_time();
-  /// The same, and a value may be several with commas between them.
+  /// The same as one_at_a_time(), and each occurrence may take several comma-separated values.
   Option& comma_separated();
-  /// For this value nothing is run or required: `answer` is, once the whole command line has been read.
+  /// When the option has this value, parse() runs only `answer` and requires no other argument.
   Option& answers(const std::string& value, std::function<void()> answer);
-  /// Calls `on_value` with each value that the command line gives.
+  /// Calls `on_value` with each value on the command line.
   Option& on_each(std::function<void(const std::string&)> on_value);
-  /// Not together with the option of that name, which stands before this one.
+  /// Rejects the option together with the option `name`, which must have been added before.
   Option& excludes(const std::string& name);
 
-  /// Whether the command line has it.
+  /// Whether the command line contains the option.
   [[nodiscard]] bool is_given() const;
 
  private:
@@ -69,46 +69,46 @@ class Option {
   OptionMarks* marks_;
 };
 
-/// What the help tells of an option, or of a value that has its place alone.
+/// Help data of an option or of a positional value.
 struct OptionText {
-  std::vector<std::string> names;  // "--output", "-o"; of a value "LOG"
-  bool is_named = true;            // by these, not by its place
+  std::vector<std::string> names;  // "--output", "-o"; for a positional value "LOG"
+  bool is_named = true;            // false: positional
   bool is_flag = false;            // takes no value
-  bool takes_many = false;         // values, up to the next option
+  bool takes_many = false;         // takes several values, up to the next option
   bool is_required = false;
-  std::string type;    // of its values, with what is allowed: "INT", "TEXT:{a,b}"
-  std::string preset;  // empty: none is told
+  std::string type;    // type and allowed values: "INT", "TEXT:{a,b}"
+  std::string preset;  // default in the help; empty: none
   std::string help;
   std::vector<std::string> completions;
 };
 struct CommandText {
-  std::string name;  // as typed behind that of the program or of the command that it is one of
+  std::string name;  // without the names of the program and of the parent command
   std::string help;
   std::vector<OptionText> options;
   std::vector<CommandText> commands;
 };
 
-/// A command, or the program itself as the one above all. A handle: copies mean the same command.
+/// A command, or the program as the root command. A handle: copies refer to the same command.
 class Command {
  public:
-  /// Options are named "-o,--output", positional values "LOG". `value` must live as long as the command line
-  /// does; it keeps what it has when the option is not given.
+  /// Adds an option with names as in "-o,--output", or a positional value with a name as in "LOG". `value`
+  /// must outlive the command line; it keeps its value when the option is absent.
   template <OptionValue T>
   Option option(const std::string& names, T& value, const std::string& help) const;
-  /// `read` gets the text before any command runs.
+  /// Adds an option that calls `read` with its text before any command runs.
   Option option(const std::string& names,
                 const std::function<void(const std::string&)>& read,
                 const std::string& help) const;
-  /// Of "--a,!--not-a" the second one says false.
+  /// Adds a flag. In "--a,!--not-a" the second name sets false.
   Option flag(const std::string& names, bool& value, const std::string& help) const;
 
-  /// A command of this one.
+  /// Adds a subcommand.
   [[nodiscard]] Command command(const std::string& name, const std::string& help) const;
-  /// One of its commands has to be named.
+  /// Requires one of the subcommands.
   void require_command() const;
-  /// Arguments that it does not know are passed over.
+  /// Ignores unknown arguments.
   void take_anything() const;
-  /// What it does, once the whole command line has been read.
+  /// Sets the function that runs after the complete command line has been parsed.
   void run(std::function<void()> work) const;
 
  private:
@@ -118,26 +118,26 @@ class Command {
   OptionMarks* marks_;
 };
 
-/// The arguments of a program: its own options, before or behind a command's name, and its commands.
+/// Arguments of a program: global options, before or after the command's name, and commands.
 class CommandLine {
  public:
-  /// `version` makes what --version prints, when it is asked for; `name` stands in the help and in errors.
+  /// `version` returns the text of --version and is only called for it; `name` appears in the help and in
+  /// errors.
   CommandLine(const std::string& name, const std::string& about, std::function<std::string()> version);
   ~CommandLine();
   CommandLine(const CommandLine&) = delete;
   CommandLine& operator=(const CommandLine&) = delete;
 
   [[nodiscard]] Command root();
-  /// All arguments but its name, in their order.
+  /// Receives all arguments except the command's name, in order.
   using Forward = std::function<void(const std::vector<std::string>& arguments)>;
-  /// A command that reads its arguments itself: none are read here once it is named. Without a help it is told
-  /// nowhere.
+  /// Adds a command that parses its arguments itself. A command with an empty `help` is not listed.
   void add_foreign(const std::string& name, const std::string& help, Forward run);
 
-  /// Runs the command that is named; false when only help, the version or an answer was asked for, and
-  /// printed. Error{kUsage} for arguments that are not allowed.
+  /// Runs the selected command; returns false when only the help, the version or an answer was printed.
+  /// Throws Error{kUsage} for arguments that are not allowed.
   bool parse(int argc, const char* const* argv);
-  /// All that the help tells.
+  /// Returns all help data.
   [[nodiscard]] CommandText text() const;
 
  private:

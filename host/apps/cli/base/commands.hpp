@@ -1,7 +1,7 @@
 #pragma once
-// The commands of the program, one file each. A command adds itself to the program; what it runs does the
-// work and throws Error, which run_program() turns into one line on stderr and an exit code. Data goes to
-// stdout, everything else to stderr.
+// Commands of the program, one file each. A command adds itself to the program. Its function throws Error,
+// which run_program() converts to one line on stderr and an exit code. Data are written to stdout, everything
+// else to stderr.
 #include <string>
 #include <vector>
 
@@ -11,25 +11,25 @@
 
 namespace simuli::cli {
 
-/// Options that every command takes, before or behind its name.
+/// Options of every command, before or after its name.
 struct Globals {
-  std::string device;                    // part of an OpenCL device's name; empty: the best one
-  Quality quality = Quality::kBalanced;  // what --set starts from
-  bool json = false;                     // data as JSON
-  bool json_progress = false;            // progress as JSON lines
-  bool verbose = false;                  // tell times on stderr
-  std::string commit;                    // that the program was built from; may be empty
+  std::string device;                    // part of the name of an OpenCL device; empty: the best device
+  Quality quality = Quality::kBalanced;  // base of the settings of --set
+  bool json = false;                     // print data as JSON
+  bool json_progress = false;            // print progress as JSON lines
+  bool verbose = false;                  // print times to stderr
+  std::string commit;                    // commit of the build; may be empty
 };
 
-/// Of --device: "0,2" are two of them, anything else is one.
+/// Splits the value of --device: "0,2" are two devices, any other text is one.
 [[nodiscard]] std::vector<std::string> devices_of(const std::string& request);
 
-/// As asked for; nothing beside data as JSON.
+/// Returns the requested style; kQuiet for data as JSON.
 [[nodiscard]] ProgressStyle progress_style(const Globals& globals);
 
-/// Error{kUsage}: `what` needs a build with that CMake option.
+/// Throws Error{kUsage}: `what` needs a build with the CMake option `option`.
 [[noreturn]] void refuse_absent(const std::string& what, const std::string& option);
-/// A command that this build lacks: it refuses, whatever its arguments.
+/// Adds a command that this build lacks: the command throws Error{kUsage} for any arguments.
 void add_absent(Command app, const std::string& name, const std::string& help, const std::string& option);
 
 void add_actors(Command app, const Globals& globals);

@@ -4,7 +4,7 @@
 
 namespace simuli::cli {
 
-/// "1 picture", "0 pictures", "12 boxes" (`things` where an s is not enough).
+/// Returns "1 picture", "0 pictures", "12 boxes" (`things`: the plural if it is not `thing` with an s).
 template <class Count>
 [[nodiscard]] std::string counted(Count count, const std::string& thing, const std::string& things = "") {
   if (count == 1) return "1 " + thing;

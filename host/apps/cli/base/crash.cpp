@@ -17,7 +17,7 @@
 namespace simuli::cli {
 namespace {
 
-// All that the handler needs: it may neither allocate nor look anything up. Never freed.
+// All data of the handler, which may neither allocate nor call other code. Never freed.
 struct Words {
   std::string file, count, message;
 };
@@ -27,7 +27,8 @@ void write_all(int file, const std::string& text) {
   static_cast<void>(!::write(file, text.data(), text.size()));
 }
 
-/// Returns into what crashed, which crashes again and is ended by the system: the handler is gone by then.
+/// Returns to the crashed instruction, which crashes again; the system ends the process, because the handler
+/// is removed.
 void note_crash(int /*signal*/) {
   if (words == nullptr) return;
   constexpr mode_t kAll = 0666;
@@ -51,14 +52,14 @@ void watch_for_crashes() {
 
 std::terminate_handler end_otherwise = nullptr;
 
-/// Memory that a thread of a library's did not get is no crash.
+/// Ends the process without a crash when a library's thread is out of memory.
 [[noreturn]] void end_without_memory() {
   try {
     if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
   } catch (const std::bad_alloc&) {
     write_all(STDERR_FILENO, "simuli: out of memory\n");
     ::_exit(kMemoryExit);
-  } catch (...) {  // below
+  } catch (...) {  // handled below
   }
   end_otherwise();
   ::abort();
@@ -68,7 +69,7 @@ std::terminate_handler end_otherwise = nullptr;
 
 void watch_crashes() {
 #ifdef __SANITIZE_ADDRESS__
-  return;  // it tells of crashes itself, and more
+  return;  // the sanitizer reports crashes
 #endif
   if (words != nullptr) return;
   const auto count = crash_count();
@@ -77,13 +78,13 @@ void watch_crashes() {
   if (count && ::getenv("POCL_CACHE_DIR") == nullptr) {
     all->file = count->file.string();
     all->count = fmt::format("{}\n", count->next);
-    all->message = what + "the next start keeps away from PoCL's cache, which may be damaged\n";
+    all->message = what + "the next start does not use PoCL's cache, which may be damaged\n";
   } else {
     all->message =
-        what + fmt::format("if it comes again, delete PoCL's cache {}\n", driver_cache_folder().string());
+        what + fmt::format("if it happens again, delete PoCL's cache {}\n", driver_cache_folder().string());
   }
   words = all.release();
-  static std::array<char, 65536> stack;  // of its own: what crashes may have none left
+  static std::array<char, 65536> stack;  // stack of the handler: the crash may be a stack overflow
   stack_t alternate{};
   alternate.ss_sp = stack.data();
   alternate.ss_size = stack.size();

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// `text` parted at ':' into `least` to `most` parts that say something. A name may hold ':', too: the first part
-/// is the longest that one of `actors` has, or what `most` parts leave over.
+/// Splits `text` at ':' into `least` to `most` non-empty parts. Names may contain ':': the first part is the
+/// longest name in `actors`, or all excess parts.
 std::vector<std::string> parts_of(const char* option,
                                   const std::string& text,
                                   std::size_t least,
@@ -73,38 +73,36 @@ void add_edit_options(Command sub, Edits& edits) {
   };
   add("--add",
       edits.add,
-      "SCENE:ACTOR[:NAME], an actor of another scene; then give it a --track. SPLAT:NAME, all of a .ply or "
-      ".spz: it stands where the path begins; then --resize, --move and --turn it, or give it a --track");
-  add("--duplicate", edits.duplicate, "ACTOR:NAME, a second one of the same");
+      "SCENE:ACTOR[:NAME], an actor of another scene, which then needs a --track. SPLAT:NAME, a .ply or "
+      ".spz, placed at the start of the trajectory; --resize, --move, --turn or --track change it");
+  add("--duplicate", edits.duplicate, "ACTOR:NAME, a copy of an actor");
   add("--mirror",
       edits.mirror,
-      "ACTOR, of which one side alone was recorded: the other shows it mirrored; nothing where both were");
-  add("--resize", edits.resize, "ACTOR:FACTOR, so many times as large; it stands where it stood");
-  add("--track",
-      edits.track,
-      "ACTOR:LOG[:ACTOR], the track of an actor of that log, or scene, instead of its own");
-  add("--retime", edits.retime, "ACTOR:RATE[:DELAY_S], its track RATE times as fast, DELAY_S later");
-  add("--move", edits.move, "ACTOR:FORWARD,LEFT,UP, metres in the actor's own frame");
-  add("--turn", edits.turn, "ACTOR:DEGREES, to its left, about its own up");
-  add("--class", edits.classes, "ACTOR:CLASS, what it is: car, truck, pedestrian, ...; its kind in labels");
-  add("--remove", edits.remove, "ACTOR, take it away");
+      "ACTOR with one recorded side: mirrors it to the other side; no effect if both sides were recorded");
+  add("--resize", edits.resize, "ACTOR:FACTOR, scales the actor; its position remains");
+  add("--track", edits.track, "ACTOR:LOG[:ACTOR], uses the track of an actor of that log or scene");
+  add("--retime", edits.retime, "ACTOR:RATE[:DELAY_S], plays the track RATE times as fast and DELAY_S later");
+  add("--move", edits.move, "ACTOR:FORWARD,LEFT,UP, moves the actor, m in the actor's frame");
+  add("--turn", edits.turn, "ACTOR:DEGREES, turns the actor to its left about its up axis");
+  add("--class", edits.classes, "ACTOR:CLASS, sets the class in labels: car, truck, pedestrian, ...");
+  add("--remove", edits.remove, "ACTOR, removes the actor");
 }
 
 std::vector<std::string> lines_of(const Edits& edits) {
   std::vector<std::string> lines;
-  const auto tell = [&](const char* name, const std::vector<std::string>& given) {
+  const auto append = [&](const char* name, const std::vector<std::string>& given) {
     for (const std::string& edit : given) lines.push_back(fmt::format("{} {}", name, edit));
   };
-  tell("--add", edits.add);
-  tell("--duplicate", edits.duplicate);
-  tell("--mirror", edits.mirror);
-  tell("--resize", edits.resize);
-  tell("--track", edits.track);
-  tell("--retime", edits.retime);
-  tell("--move", edits.move);
-  tell("--turn", edits.turn);
-  tell("--class", edits.classes);
-  tell("--remove", edits.remove);
+  append("--add", edits.add);
+  append("--duplicate", edits.duplicate);
+  append("--mirror", edits.mirror);
+  append("--resize", edits.resize);
+  append("--track", edits.track);
+  append("--retime", edits.retime);
+  append("--move", edits.move);
+  append("--turn", edits.turn);
+  append("--class", edits.classes);
+  append("--remove", edits.remove);
   return lines;
 }
 
@@ -133,7 +131,7 @@ void apply(const Edits& edits, SceneFile& file) {
     if (is_splat_file(parts[0])) {
       if (parts.size() != 2) refuse("--add", edit, kAllowed);
       if (file.world_from_rig.poses().empty()) {
-        throw_input_error("--add " + edit, "trajectory", "no poses", "a scene with a path, where it begins");
+        throw_input_error("--add " + edit, "trajectory", "no poses", "a scene with a trajectory");
       }
       need_name(parts[1], "--add " + edit, "name");
       const Pose base = standing_pose(file.world_from_rig);
@@ -148,16 +146,15 @@ void apply(const Edits& edits, SceneFile& file) {
   }
   for (const std::string& name : edits.mirror) {
     if (file.support == nullptr) {
-      throw_usage_error(
-          "--mirror",
-          fmt::format("\"{}\" of a scene that does not say which sides of actors were seen", name),
-          "one of a scene with support: train it anew");
+      throw_usage_error("--mirror",
+                        fmt::format("\"{}\" of a scene without data on the recorded sides of actors", name),
+                        "an actor of a scene with these data: train the scene again");
     }
     const std::map<std::string, std::string> copies = copies_of(edits);
     const auto original = copies.find(name);
     const std::string& recorded = original == copies.end() ? name : original->second;
     if (!mirror_actor(scene, *file.support, name, recorded)) {
-      std::cerr << fmt::format("simuli: --mirror {}: both of its sides were seen, or none: it is as it was\n",
+      std::cerr << fmt::format("simuli: --mirror {}: both or none of its sides were recorded: unchanged\n",
                                name);
     }
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Edits of a scene's actors on the command line.
+// Edits of actors of a scene on the command line.
 #include <map>
 #include <string>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace simuli::cli {
 
-/// As given; applied in this order, whatever the order on the command line.
+/// Texts of the edits; applied in this order, independent of the order on the command line.
 struct Edits {
   std::vector<std::string> add;        // SCENE:ACTOR[:NAME] or SPLAT:NAME
   std::vector<std::string> duplicate;  // ACTOR:NAME
@@ -24,20 +24,22 @@ struct Edits {
   std::vector<std::string> remove;     // ACTOR
 };
 
-/// "X,Y,Z,ROLL,PITCH,YAW", m and degrees. Error{kUsage} naming `option` for anything else.
+/// Parses "X,Y,Z,ROLL,PITCH,YAW" in m and degrees. Throws Error{kUsage} with the name `option` for other
+/// texts.
 [[nodiscard]] Mounting parse_mounting(const char* option, const std::string& text);
 
-/// read_scene(); a note on stderr says how many broken particles of a file of splats that left out.
+/// Calls read_scene() and prints a note to stderr with the number of invalid particles left out of a splat
+/// file.
 [[nodiscard]] SceneFile read_scene_and_report(const std::filesystem::path& path);
 
 void add_edit_options(Command sub, Edits& edits);
-/// Each as it is given, in the order in which they are applied: "--remove car".
+/// Returns one text per edit, in the order of application: "--remove car".
 [[nodiscard]] std::vector<std::string> lines_of(const Edits& edits);
-/// Whose copy each duplicated actor is, by its name.
+/// Returns the original actor of each duplicated actor, by the copy's name.
 [[nodiscard]] std::map<std::string, std::string> copies_of(const Edits& edits);
-/// Error{kUsage} for an edit that says nothing, Error{kInput} for a scene or log that can't be read.
+/// Throws Error{kUsage} for an incomplete edit, Error{kInput} for an unreadable scene or log.
 void apply(const Edits& edits, SceneFile& scene);
-/// world_from_base of splats that are added: where the path begins, turned as the rig is there, upright.
+/// Returns world_from_base for added splats: the first ego position with the rig's heading, levelled.
 [[nodiscard]] Pose standing_pose(const Trajectory& world_from_rig);
 
 }  // namespace simuli::cli

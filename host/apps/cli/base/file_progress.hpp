@@ -10,8 +10,8 @@
 
 namespace simuli::cli {
 
-/// Shows the progress(done, total) calls of io on stderr. The clock starts with the object, the total is
-/// learnt from the first call.
+/// Shows progress(done, total) calls of io on stderr. The clock starts at construction; the first call sets
+/// the total.
 class FileProgress {
  public:
   FileProgress(std::string label, const Globals& globals)
@@ -29,7 +29,7 @@ class FileProgress {
   Progress progress_;
 };
 
-/// Shows progress(stage, done, total) calls: one bar a stage, one after the other.
+/// Shows progress(stage, done, total) calls: one bar per stage, one after the other.
 class StageProgress {
  public:
   explicit StageProgress(ProgressStyle style) : style_(style) {}

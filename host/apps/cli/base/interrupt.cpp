@@ -23,7 +23,7 @@ std::atomic<bool> is_noted{false};
 std::atomic<bool> is_unread{false};
 int signal_pipe = -1;  // the handler's end
 
-/// All that a handler may do; files are removed by a thread.
+/// Only writes to a pipe, as a handler must; a thread removes the files.
 void note_signal(int signal) {
   const int error = errno;
   if (signal == SIGPIPE) is_unread = true;
@@ -32,9 +32,10 @@ void note_signal(int signal) {
   errno = error;
 }
 
-// SIGPIPE: whoever read what is printed has gone, as a terminal that was closed has.
+// SIGPIPE means that the reader of the output has closed, like a closed terminal.
 constexpr std::array<int, 4> kSignals{SIGINT, SIGTERM, SIGHUP, SIGPIPE};
-std::array<bool, kSignals.size()> ignored{};  // from the start, as under nohup, or by who writes to sockets
+std::array<bool, kSignals.size()>
+    ignored{};  // at the start, as under nohup, or by code that writes to sockets
 
 std::atomic<bool> is_ending{false};
 
@@ -55,7 +56,7 @@ void watch_for_signals() {
 void end_by(int signal) {
   remove_temporaries();
   is_ending = true;
-  for (;;) {  // another thread may just have put the handler back
+  for (;;) {  // another thread may have restored the handler
     std::signal(signal, SIG_DFL);
     ::kill(::getpid(), signal);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -74,14 +75,14 @@ void serve(int pipe) {
         std::cerr << "simuli: interrupted: " << point_note << std::endl;
         kill_groups();
       }
-      if (is_first || signal == SIGPIPE) continue;  // each further line that nobody reads brings one
+      if (is_first || signal == SIGPIPE) continue;  // each further unread line sends one SIGPIPE
     }
     end_by(signal);
   }
 }
 
-/// A descriptor of 0 to 2 that whoever started this program has closed would be the next file's that it opens:
-/// what is printed would land there.
+/// Opens /dev/null for each of the descriptors 0 to 2 that the parent process has closed. Otherwise the next
+/// opened file would receive the output.
 void fill_standard_streams() {
   int opened = 0;
   do opened = ::open("/dev/null", O_RDWR);
@@ -93,14 +94,15 @@ void fill_standard_streams() {
 
 void watch_signals() {
   fill_standard_streams();
-  std::signal(SIGXFSZ, SIG_IGN);  // a file above the shell's limit is a write that fails, as on a full disk
-  // A parent may hand on an ignored SIGCHLD; waitpid() and pclose() then lose the exit codes of ffmpeg and fixers.
+  std::signal(SIGXFSZ, SIG_IGN);  // a write above the shell's file size limit fails, as on a full disk
+  // A parent may pass on an ignored SIGCHLD; then waitpid() and pclose() lose the exit codes of ffmpeg and
+  // fixers.
   std::signal(SIGCHLD, SIG_DFL);
   std::array<int, 2> ends{};
-  if (signal_pipe >= 0 || ::pipe2(ends.data(), O_CLOEXEC) != 0) return;  // signals end it as they would
+  if (signal_pipe >= 0 || ::pipe2(ends.data(), O_CLOEXEC) != 0) return;  // signals keep their default action
   try {
     std::thread(serve, ends[0]).detach();
-  } catch (const std::system_error&) {  // no memory for its stack: as above
+  } catch (const std::system_error&) {  // no memory for the thread's stack: as above
     ::close(ends[0]);
     ::close(ends[1]);
     return;

@@ -1,32 +1,34 @@
 #pragma once
-// SIGINT, SIGTERM, SIGHUP and SIGPIPE: nothing half-written stays, and a training that keeps checkpoints keeps
-// one more.
+// Handling of SIGINT, SIGTERM, SIGHUP and SIGPIPE: incomplete files are removed, and a training with
+// checkpoints writes a last one.
 #include <stdexcept>
 #include <string>
 
 namespace simuli::cli {
 
-/// Exit code of work that was interrupted and can go on where it was (EX_TEMPFAIL of sysexits.h).
+/// Exit code of interrupted work that can be resumed (EX_TEMPFAIL of sysexits.h).
 inline constexpr int kInterruptedExit = 75;
 
-/// Leaves work that has stored its state; what() says where. run_program() makes kInterruptedExit of it.
+/// Thrown by interrupted work after its state has been stored; what() contains the place. run_program()
+/// returns kInterruptedExit for it.
 class Interrupted : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// From here on such a signal removes the temporaries (io/base/temporary.hpp) and then ends the process, as
-/// it would have at once. Signals that are ignored (nohup) stay ignored.
+/// Installs the handlers: each of these signals removes the temporaries (io/base/temporary.hpp) and then ends
+/// the process with the signal's default action. Signals that are ignored at the start (nohup) remain
+/// ignored.
 void watch_signals();
 
-/// Ends the process, as such a signal does, where what it prints has lost its reader (`| head`): no error to tell.
+/// Ends the process by SIGPIPE, without an error, when the reader of its output has closed (`| head`).
 void end_if_unread();
 
-/// While there is one, the first signal is only noted, and `note` told on stderr; the second ends the
-/// process.
+/// During the lifetime of an object the first signal only sets is_asked_for() and prints `note` to stderr;
+/// the second signal ends the process.
 class InterruptionPoint {
  public:
-  /// `note` is a literal: it is told whenever the signal comes.
+  /// `note` must be a string literal, since a signal may arrive at any time.
   explicit InterruptionPoint(const char* note = "a checkpoint is written; a second signal ends it without");
   InterruptionPoint(const InterruptionPoint&) = delete;
   InterruptionPoint& operator=(const InterruptionPoint&) = delete;

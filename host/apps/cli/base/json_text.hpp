@@ -4,7 +4,7 @@
 
 namespace simuli::cli {
 
-/// Indented, as commands print it: in ASCII, for terminals; bytes of paths that are no UTF-8 as U+FFFD.
+/// Returns indented ASCII JSON, the output format of commands; bytes that are not UTF-8 become U+FFFD.
 template <class Json>
 [[nodiscard]] std::string json_text(const Json& json) {
   return json.dump(2, ' ', true, Json::error_handler_t::replace);

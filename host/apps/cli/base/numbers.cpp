@@ -29,7 +29,7 @@ std::vector<double> parse_numbers(const char* option,
   }
   refuse(option,
          text,
-         allowed.empty() ? fmt::format("{} finite numbers parted by '{}'", count, separator) : allowed);
+         allowed.empty() ? fmt::format("{} finite numbers separated by '{}'", count, separator) : allowed);
 }
 
 }  // namespace simuli::cli

@@ -23,7 +23,7 @@
 namespace simuli::cli {
 namespace {
 
-/// The first line is for programs; below it the build, and the device that would be taken.
+/// Returns the version in the first line, for programs; then the build and the default device.
 std::string version_text(const std::string& built_from) {
   std::string device;
   try {
@@ -49,12 +49,12 @@ void add_globals(Command root, Globals& globals) {
             }
             globals.quality = *quality;
           },
-          "speed against accuracy, wherever something is rendered: " + names)
+          "trade-off of speed and accuracy in rendering: " + names)
       .shown_as("NAME", "balanced")
       .completed_by([] { return quality_names(); });
   root.flag("--json", globals.json, "data as JSON on stdout");
   root.flag("--json-progress", globals.json_progress, "progress as one JSON object a line on stderr");
-  root.flag("--verbose", globals.verbose, "tell times on stderr");
+  root.flag("--verbose", globals.verbose, "print times to stderr");
 }
 
 ProgressStyle progress_style(const Globals& globals) {
@@ -99,10 +99,11 @@ void run_arguments(const std::string& name,
   add_globals(line.root(), globals);
   add(line, globals);
   const Stopwatch watch;
-  const bool has_run = line.parse(argc, argv);  // or has told what was asked for
+  const bool has_run = line.parse(argc, argv);  // false: only the requested help or version was printed
   if (!std::cout.flush()) {
     end_if_unread();
-    throw_input_error("stdout", "output", "a stream that can't be written", "an open one with room");
+    throw_input_error(
+        "stdout", "output", "a stream that cannot be written", "an open stream with free space");
   }
   if (has_run && globals.verbose) {
     std::cerr << fmt::format("simuli: {:.2f} s", watch.seconds()) << std::endl;
@@ -116,12 +117,12 @@ Failure failure_of(const std::exception& thrown) {
   if (const auto* const ended = dynamic_cast<const Ended*>(&thrown))
     return {ended->what(), ended->exit_code()};
   if (dynamic_cast<const Interrupted*>(&thrown) != nullptr) return {thrown.what(), kInterruptedExit};
-  // As of a working folder that was removed; most of what the file system refuses is an Error.
+  // For example, the working folder was removed; io converts most file system errors to Error.
   if (const auto* const file = dynamic_cast<const std::filesystem::filesystem_error*>(&thrown))
-    return {on_one_line(fmt::format("found {}, allowed files and folders that are there", file->what())),
+    return {on_one_line(fmt::format("found {}, allowed existing files and folders", file->what())),
             static_cast<int>(ErrorKind::kInput)};
   const auto* const system = dynamic_cast<const std::system_error*>(&thrown);
-  // Of threads, whose stacks take memory; what libraries say of files comes as an Error.
+  // A thread could not be created because its stack needs memory; io reports file errors as Error.
   const bool has_no_thread = system != nullptr && system->code() == std::errc::resource_unavailable_try_again;
   if (has_no_thread || dynamic_cast<const std::bad_alloc*>(&thrown) != nullptr) {
     return {"out of memory", kMemoryExit};
@@ -137,7 +138,7 @@ int run_program(const std::string& name,
                 const std::string& commit) {
   watch_signals();
   watch_crashes();
-  // Behind everything else, as the last thing to be read.
+  // Printed last, after all other output.
   struct Notes {
     ~Notes() {
       if (const std::string note = driver_cache_note(); !note.empty()) {

@@ -1,5 +1,5 @@
 #pragma once
-// What the programs of this project share: global options, errors as one line on stderr and an exit code.
+// Common parts of the project's programs: global options, errors as one line on stderr, exit codes.
 #include <exception>
 #include <functional>
 #include <stdexcept>
@@ -12,11 +12,12 @@ namespace simuli::cli {
 /// Adds the commands of a program; `globals` outlives them.
 using AddCommands = std::function<void(CommandLine& line, const Globals& globals)>;
 
-/// The options of every command, which set `globals`; it outlives them.
+/// Adds the options of every command, which set `globals`; `globals` must outlive the command line.
 void add_globals(Command root, Globals& globals);
 
-/// Reads the arguments and runs the command they name; throws what that throws, Error{kUsage} for arguments
-/// that are not allowed. `name` as in CommandLine; a `commit` stands behind the version.
+/// Parses the arguments and runs the selected command. Throws Error{kUsage} for arguments that are not
+/// allowed, and all exceptions of the command. `name` as in CommandLine; `commit` is printed after the
+/// version.
 void run_arguments(const std::string& name,
                    const std::string& about,
                    int argc,
@@ -24,7 +25,7 @@ void run_arguments(const std::string& name,
                    const AddCommands& add,
                    const std::string& commit = "");
 
-/// Leaves a command that has told all but how it ended: what() is the line on stderr, empty for none.
+/// Thrown by a command that only has to end with an exit code. what() is a line for stderr; empty: no line.
 class Ended : public std::runtime_error {
  public:
   Ended(int exit_code, const std::string& line) : std::runtime_error(line), exit_code_(exit_code) {}
@@ -34,14 +35,14 @@ class Ended : public std::runtime_error {
   int exit_code_;
 };
 
-/// What is said of an exception that left a command, and the exit code of it.
+/// Line and exit code for an exception of a command.
 struct Failure {
   std::string line;
   int exit_code = 0;
 };
 [[nodiscard]] Failure failure_of(const std::exception& thrown);
 
-/// What main() does: reads the arguments, runs the command they name and returns the exit code.
+/// Implements main(): parses the arguments, runs the selected command and returns the exit code.
 [[nodiscard]] int run_program(const std::string& name,
                               const std::string& about,
                               int argc,

@@ -19,10 +19,11 @@ constexpr double kBarInterval_s = 0.1;
 constexpr double kLineInterval_s = 10.0;
 constexpr double kJsonInterval_s = 1.0;
 constexpr std::size_t kBarCells = 24;
-// What must be behind a task for its speed to tell the time left: steps differ, and the first is the slowest.
-constexpr double kTellingShare = 0.05;
-constexpr std::uint64_t kTellingSteps = 2;
-constexpr double kTelling_s = 2.0;
+// Minimum progress before the remaining time is estimated: step times vary, and the first step is the
+// slowest.
+constexpr double kMinShare = 0.05;
+constexpr std::uint64_t kMinSteps = 2;
+constexpr double kMin_s = 2.0;
 
 double steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -46,7 +47,7 @@ ProgressStyle progress_style() {
 }
 
 std::string format_duration(double seconds) {
-  constexpr double kLongest_s = 1e9;  // beyond, the estimate says nothing
+  constexpr double kLongest_s = 1e9;  // a longer estimate is meaningless
   if (!(seconds >= 0.0 && seconds < kLongest_s)) return "--:--";
   const auto whole = static_cast<std::int64_t>(std::llround(seconds));
   const std::int64_t hours = whole / 3600;
@@ -73,7 +74,7 @@ Progress::~Progress() {
   if (!bar_open_) return;
   try {
     *out_ << '\n' << std::flush;
-  } catch (...) {  // a stream that throws must not end the program from here
+  } catch (...) {  // a destructor must not throw
   }
 }
 
@@ -87,7 +88,7 @@ void Progress::update(std::uint64_t done, const ProgressNote& note) {
   if (style_ == ProgressStyle::kQuiet || finished_) return;
   const double now_s = clock_();
   const bool at_once = style_ != ProgressStyle::kLines;
-  // The first bar comes at once (something happens); the first line only when the task turns out long.
+  // The first bar appears at once; the first line only when the task takes long.
   const bool due = now_s - shown_s_ >= interval_s(style_);
   if (due || (at_once && !shown_once_)) show(note, now_s);
 }
@@ -96,9 +97,9 @@ void Progress::finish(const ProgressNote& note) {
   if (style_ == ProgressStyle::kQuiet || finished_) return;
   finished_ = true;
   const double now_s = clock_();
-  // Of a short task of one step there is nothing to say in a file.
-  const bool is_told = style_ != ProgressStyle::kLines || total_ != 1 || now_s - start_s_ >= kLineInterval_s;
-  if (is_told) show(note, now_s);
+  // A log file needs no line on a short task of one step.
+  const bool is_shown = style_ != ProgressStyle::kLines || total_ != 1 || now_s - start_s_ >= kLineInterval_s;
+  if (is_shown) show(note, now_s);
   if (bar_open_) *out_ << '\n' << std::flush;
   bar_open_ = false;
 }
@@ -116,7 +117,7 @@ void Progress::show(const ProgressNote& note, double now_s) {
   } else if (style_ == ProgressStyle::kLines) {
     *out_ << line(note.text, now_s, std::string::npos) << '\n' << std::flush;
   } else {
-    // Back to the line's start, text, erase the rest of an older and longer text.
+    // Returns to the start of the line and erases the rest of a longer previous text.
     *out_ << '\r' << line(note.text, now_s, static_cast<std::size_t>(columns_ - 1)) << "\x1b[K" << std::flush;
     bar_open_ = true;
   }
@@ -125,10 +126,10 @@ void Progress::show(const ProgressNote& note, double now_s) {
 double Progress::left_s(double now_s) const {
   if (finished_) return 0.0;
   constexpr double kUnknown_s = std::numeric_limits<double>::infinity();
-  if (done_ < first_ + kTellingSteps || total_ <= first_ || now_s - start_s_ < kTelling_s) return kUnknown_s;
+  if (done_ < first_ + kMinSteps || total_ <= first_ || now_s - start_s_ < kMin_s) return kUnknown_s;
   const auto done = static_cast<double>(done_ - first_);
   const auto all = static_cast<double>(total_ - first_);
-  if (done < kTellingShare * all) return kUnknown_s;
+  if (done < kMinShare * all) return kUnknown_s;
   return (now_s - start_s_) * std::max(all - done, 0.0) / done;
 }
 
@@ -140,14 +141,14 @@ std::string Progress::json(const ProgressNote& note, double now_s) const {
               {"left_s", left_s(now_s)},
               {"finished", finished_}};
   for (const auto& [name, value] : note.values) object[std::string(name)] = value;
-  return object.dump();  // what is not finite as null
+  return object.dump();  // null: not finite
 }
 
 std::string Progress::line(const std::string& note, double now_s, std::size_t columns) const {
   const double left = left_s(now_s);
-  const bool tells_left = !finished_ && std::isfinite(left);
+  const bool shows_left = !finished_ && std::isfinite(left);
   const std::string time =
-      format_duration(tells_left ? left : now_s - start_s_) + (tells_left ? " left" : " elapsed");
+      format_duration(shows_left ? left : now_s - start_s_) + (shows_left ? " left" : " elapsed");
   std::string bar, count;
   if (total_ == 0) {
     count = fmt::format(" {}", done_);
@@ -157,11 +158,11 @@ std::string Progress::line(const std::string& note, double now_s, std::size_t co
       const auto filled = static_cast<std::size_t>(share * kBarCells);
       bar = " [" + std::string(filled, '#') + std::string(kBarCells - filled, '.') + "]";
     }
-    // Down, never up: 100 % is shown when everything is done and not before.
+    // Rounds down, so that 100 % means done.
     count = fmt::format(" {:3.0f} % {}/{}", std::floor(100.0 * share), done_, total_);
   }
   std::string text = label_ + bar + count + "  " + time;
-  // Whole notes, as many as there is room for.
+  // Appends complete notes while they fit.
   for (std::size_t at = 0; at < note.size();) {
     const std::size_t end = std::min(note.find("  ", at), note.size());
     if (text.size() + 2 + (end - at) > columns) break;

@@ -9,14 +9,14 @@
 
 namespace simuli {
 
-/// How progress is shown: a bar redrawn in place, plain lines (log files, CI), one JSON object a line (other
-/// programs), or not at all.
+/// Output of progress: a bar redrawn in place, plain lines (log files, CI), one JSON object per line
+/// (programs), or no output.
 enum class ProgressStyle { kBar, kLines, kJson, kQuiet };
 
-/// kBar when stderr is a terminal, else kLines.
+/// Returns kBar if stderr is a terminal, else kLines.
 [[nodiscard]] ProgressStyle progress_style();
 
-/// What a task says of itself beside how far it is: text for people, named numbers for programs.
+/// Additional information of a task: text for users, named numbers for programs.
 struct ProgressNote {
   std::string text;
   std::vector<std::pair<std::string, double>> values;  // unit in the name; not finite: null
@@ -27,27 +27,26 @@ struct ProgressNote {
       : text(std::move(said)), values(std::move(numbers)) {}
 };
 
-/// Shows how far a task of known size is, with the time left at its average speed so far: once a twentieth of
-/// it, two steps and two seconds are behind it, and the time elapsed before. What is done never gets less. As
-/// a bar it is redrawn at most ten times a second; as lines at most every ten seconds and once at the end; as
-/// JSON {"task", "done", "total", "elapsed_s", "left_s", "finished", values...} at most once a second and at
-/// the end, with left_s null as long as it can't be known. Notes are parted by two spaces; those that a
-/// narrow terminal has no room for are left out whole. Nothing is written from the destructor but the newline
-/// that a broken-off bar still owes the terminal.
+/// Shows the progress of a task. Bars and lines show the elapsed time, or the remaining time at the average
+/// speed once a twentieth of the task, two steps and two seconds have passed. The count of done steps never
+/// decreases. A bar is redrawn at most ten times per second. Lines are printed at most every ten seconds and
+/// once at the end. JSON {"task", "done", "total", "elapsed_s", "left_s", "finished", values...} is printed
+/// at most once per second and at the end; left_s is null while unknown. Notes are separated by two spaces; a
+/// narrow terminal omits complete notes. The destructor only writes the newline that ends an unfinished bar.
 class Progress {
  public:
-  /// Monotonic time in seconds.
+  /// Returns monotonic time in s.
   using Clock = std::function<double()>;
 
-  /// `total` steps to do (0: the size is unknown, only the count is shown; 1: the time alone). Bars are cut to
-  /// `columns` characters, so that a narrow terminal does not scroll.
+  /// `total`: number of steps (0: unknown, only the count is shown; 1: only the time is shown). Bars are cut
+  /// to `columns` characters so that a narrow terminal does not scroll.
   Progress(std::string label,
            std::uint64_t total,
            ProgressStyle style,
            std::ostream& out,
            Clock clock,
            int columns = 110);
-  /// On stderr with the system's steady clock and the terminal's own width.
+  /// Writes to stderr, with the steady clock and the width of the terminal.
   Progress(std::string label, std::uint64_t total, ProgressStyle style);
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -55,23 +54,23 @@ class Progress {
   Progress& operator=(Progress&&) = delete;
   ~Progress();
 
-  /// The clock starts now, with `done` steps done: what was before tells nothing of the speed.
+  /// Restarts the clock with `done` steps done: earlier steps do not count for the speed.
   void start_at(std::uint64_t done);
-  /// The size of the task, once it is known.
+  /// Sets the number of steps.
   void set_total(std::uint64_t total) { total_ = total; }
-  /// `done` steps are done; `note` is shown behind the time, e.g. "PSNR 21.3 dB".
+  /// Reports `done` steps as done; `note` is shown after the time, for example "PSNR 21.3 dB".
   void update(std::uint64_t done, const ProgressNote& note = {});
-  /// Shows the last state, whatever the time since the one before, and ends the line.
+  /// Shows the last state, regardless of the time since the previous output, and ends the line.
   void finish(const ProgressNote& note = {});
-  /// The same of a task that is done, whether or not it needed all of its steps.
+  /// Finishes a completed task, even if it needed fewer steps than planned.
   void complete();
 
  private:
   void show(const ProgressNote& note, double now_s);
-  /// Of at most `columns` characters.
+  /// Returns a line of at most `columns` characters.
   [[nodiscard]] std::string line(const std::string& note, double now_s, std::size_t columns) const;
   [[nodiscard]] std::string json(const ProgressNote& note, double now_s) const;
-  /// At the average speed so far; infinite before it can be known.
+  /// Estimates the remaining time in s from the average speed; infinite while unknown.
   [[nodiscard]] double left_s(double now_s) const;
 
   std::string label_;
@@ -81,15 +80,15 @@ class Progress {
   Clock clock_;
   int columns_;
   std::uint64_t done_ = 0;
-  std::uint64_t first_ = 0;  // steps that were done when the clock started
+  std::uint64_t first_ = 0;  // steps done when the clock started
   double start_s_ = 0.0;
   double shown_s_ = 0.0;
   bool shown_once_ = false;
-  bool bar_open_ = false;  // the cursor stands at the end of a bar
+  bool bar_open_ = false;  // the cursor is at the end of a bar
   bool finished_ = false;
 };
 
-/// "0:07", "12:34", "1:02:03"; "--:--" for a time that is not a finite number >= 0.
+/// Returns "0:07", "12:34", "1:02:03"; "--:--" for a time that is not finite and >= 0.
 [[nodiscard]] std::string format_duration(double seconds);
 
 }  // namespace simuli

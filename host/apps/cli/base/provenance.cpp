@@ -16,16 +16,16 @@ namespace simuli::cli {
 
 namespace {
 
-/// Those that a training of that quality does not have by itself, but for what has a line of its own. Keys that
-/// other versions had are counted: what they were by default is not known.
+/// Returns the settings that differ from the defaults of the quality, without the ones printed elsewhere.
+/// Keys of other versions are only counted, since their defaults are unknown.
 std::string settings_text(const TrainingRecord& r) {
-  const std::set<std::string> told{"image_scale",
-                                   "held_out_every",
-                                   "held_out_middle",
-                                   "held_out_last",
-                                   "held_out_sensors",
-                                   "seed",
-                                   "iterations"};
+  const std::set<std::string> printed_elsewhere{"image_scale",
+                                                "held_out_every",
+                                                "held_out_middle",
+                                                "held_out_last",
+                                                "held_out_sensors",
+                                                "seed",
+                                                "iterations"};
   TrainingOptions defaults = training_options(find_quality(r.quality) ? r.quality : "", {});
   const Fields fields = fields_of(defaults);
   std::vector<std::string> others;
@@ -35,12 +35,12 @@ std::string settings_text(const TrainingRecord& r) {
     const Field* const field = fields.find(key);
     if (field == nullptr) {
       ++unknown;
-    } else if (!told.contains(key) && line != key + '=' + field->text()) {
+    } else if (!printed_elsewhere.contains(key) && line != key + '=' + field->text()) {
       others.push_back(line);
     }
   }
-  const std::string text = others.empty() ? "as by default" : fmt::format("{}", fmt::join(others, " "));
-  return unknown == 0 ? text : fmt::format("{} ({} that this version does not have: --json)", text, unknown);
+  const std::string text = others.empty() ? "defaults" : fmt::format("{}", fmt::join(others, " "));
+  return unknown == 0 ? text : fmt::format("{} ({} unknown to this version: --json)", text, unknown);
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ std::vector<RecordLine> record_lines(const TrainingRecord& r) {
           {"iterations", iterations},
           {"size of pictures", fmt::format("{} of the recorded", f.image_scale)},
           {"held out", held_out.empty() ? "nothing" : held_out},
-          {"trained on", r.sensors.empty() ? "not told" : uses_text(r.sensors)},
+          {"trained on", r.sensors.empty() ? "unknown" : uses_text(r.sensors)},
           {"seed", fmt::format("{}", f.seed)},
           {"quality", r.quality},
           {"settings", settings_text(r)},
@@ -141,7 +141,7 @@ std::vector<std::string> unlike_training(const SceneFile& scene, const RenderOpt
   for (const Field& field : defaults.all()) {
     if (field.in_training == InTraining::kNoGradients) trained.emplace(field.key, field.text());
   }
-  // What it was trained with may have been left to it, too.
+  // The training may have used the filter of the scene.
   trained["render.camera_filter_px2"] = fmt::format("{}", scene.scene.camera_filter_px2);
   RenderOptions own = options;
   own.camera_filter_px2 = camera_filter_px2(options, scene.scene.camera_filter_px2);
@@ -157,7 +157,7 @@ std::vector<std::string> unlike_training(const SceneFile& scene, const RenderOpt
 void warn_unlike_training(const SceneFile& scene, const RenderOptions& options) {
   const std::vector<std::string> unlike = unlike_training(scene, options);
   if (unlike.empty()) return;
-  std::cerr << fmt::format("simuli: warning: a scene is at its best as it was trained; found {}\n",
+  std::cerr << fmt::format("simuli: warning: the best quality needs the options of the training; found {}\n",
                            fmt::join(unlike, ", "));
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the commands say of how a scene was made.
+// Text on the training of a scene.
 #include <string>
 #include <vector>
 
@@ -8,17 +8,17 @@
 
 namespace simuli::cli {
 
-/// Name and value of what matters most of a training, for people.
+/// Name and value of a main property of a training.
 struct RecordLine {
   std::string name;
   std::string value;
 };
-/// Which of two scores is the better one.
+/// Direction in which a score improves.
 enum class Better { kNeither, kHigher, kLower };
-/// An arrow, behind a blank that no line is broken at; "" for kNeither.
+/// Returns an arrow after a no-break space; "" for kNeither.
 [[nodiscard]] std::string arrow(Better better);
 
-/// A score as people read it; "-" where there is no such frame.
+/// A formatted score; value "-" without frames.
 struct ScoreLine {
   std::string name;
   std::string value;
@@ -31,24 +31,25 @@ struct ScoreLine {
 [[nodiscard]] ScoreLine intensity_line(double rmse);
 [[nodiscard]] ScoreLine drop_line(double accuracy);
 [[nodiscard]] ScoreLine chamfer_line(double chamfer_m);
-/// What matters most, in the order of `simuli eval`.
+/// Returns the main scores in the order of `simuli eval`.
 [[nodiscard]] std::vector<ScoreLine> score_lines(const HeldOutScores& scores);
-/// "held-out frames: 4 pictures of 160 x 90 px, 4 sweeps"
+/// Returns "held-out frames: 4 pictures of 160 x 90 px, 4 sweeps".
 [[nodiscard]] std::string compared_text(const std::string& frames, const HeldOutScores& scores);
-/// Of what a scene keeps, under the names and in the order of `simuli eval`, below a line that says of what.
+/// Returns a heading and the scores with the names and the order of `simuli eval`.
 [[nodiscard]] std::string text_of(const HeldOutScores& scores);
-/// "  PSNR   29.84 dB\n"
+/// Returns "  PSNR   29.84 dB
+/// ".
 [[nodiscard]] std::string text_of(const ScoreLine& line);
 [[nodiscard]] std::string number_text(double value, int decimals);
 
-/// "front 16 (4 held out), left none (20 held out)": frames that were trained on.
+/// Returns "front 16 (4 held out), left none (20 held out)": numbers of training frames.
 [[nodiscard]] std::string uses_text(const std::vector<SensorUse>& sensors);
 [[nodiscard]] std::vector<RecordLine> record_lines(const TrainingRecord& record);
 
-/// "render.KEY=VALUE (trained with VALUE)" of each option that the scene was not trained with; of a scene
-/// that doesn't say none.
+/// Returns "render.KEY=VALUE (trained with VALUE)" for each option that differs from the training; empty for
+/// a scene without a record of its training.
 [[nodiscard]] std::vector<std::string> unlike_training(const SceneFile& scene, const RenderOptions& options);
-/// One line on stderr when there are any: a scene is at its best as it was trained.
+/// Prints one warning line to stderr if any option differs from the training.
 void warn_unlike_training(const SceneFile& scene, const RenderOptions& options);
 
 }  // namespace simuli::cli

@@ -1,5 +1,5 @@
 #pragma once
-// Words as shells read them.
+// Quoting of words for shells.
 #include <algorithm>
 #include <string>
 #include <string_view>
@@ -8,14 +8,14 @@
 
 namespace simuli::cli {
 
-/// In quotes in which bash changes nothing.
+/// Returns the text in single quotes, unchanged by bash.
 [[nodiscard]] inline std::string quoted(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
 }
 
-/// As bash reads it back: in quotes where it has to be, without what terminals would act on.
+/// Returns a word that bash reads back as `word`: quoted if necessary, with control characters escaped.
 [[nodiscard]] inline std::string shell_word(const std::string& word) {
   const auto is_plain = [](char c) {
     return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||

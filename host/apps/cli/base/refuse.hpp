@@ -1,14 +1,14 @@
 #pragma once
-// How an option is refused: in one line, with what was found and what is allowed.
+// Rejects an option in one line that contains the found and the allowed value.
 #include <string_view>
 
 namespace simuli::cli {
 
-/// Throws Error{kUsage} reading "OPTION: found FOUND, allowed ALLOWED".
+/// Throws Error{kUsage} with the message "OPTION: found FOUND, allowed ALLOWED".
 [[noreturn]] void throw_usage_error(std::string_view option,
                                     std::string_view found,
                                     std::string_view allowed);
-/// The same of an option's value, which stands in quotes.
+/// The same for the value of an option, which is put in quotes.
 [[noreturn]] void refuse(std::string_view option, std::string_view value, std::string_view allowed);
 
 }  // namespace simuli::cli

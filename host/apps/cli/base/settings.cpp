@@ -14,7 +14,7 @@
 namespace simuli::cli {
 namespace {
 
-/// What Fields::help() tells, as [{"group", "key", "default", "allowed", "help"}...].
+/// Returns the content of Fields::help() as [{"group", "key", "default", "allowed", "help"}...].
 Json help_json(const Fields& fields) {
   Json rows = Json::array();
   for (const Field& field : fields.all()) {

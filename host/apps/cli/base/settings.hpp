@@ -1,5 +1,5 @@
 #pragma once
-// "--set KEY=VALUE" of commands.
+// Option "--set KEY=VALUE" of commands.
 #include <functional>
 #include <string>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace simuli::cli {
 
-/// What users say of "--set" into `settings`, for Fields::apply(). "--set help" prints what `fields` makes,
-/// with the values that would be used, and nothing else is asked of the command line.
+/// Adds "--set", whose values are appended to `settings`, for Fields::apply(). "--set help" prints the fields
+/// of `fields` with the values that would be used, and requires no other argument.
 void add_settings(Command command,
                   std::vector<std::string>& settings,
                   const Globals& globals,

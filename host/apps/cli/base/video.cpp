@@ -32,7 +32,7 @@ bool has_program(std::string_view name) {
   return false;
 }
 
-/// For a POSIX shell.
+/// Quotes for a POSIX shell.
 std::string in_quotes(const std::string& text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -66,10 +66,10 @@ void Video::fail() {
 
 void Video::add(const Image& image) {
   if (pipe_ == nullptr) {
-    std::signal(SIGPIPE, SIG_IGN);  // an ffmpeg that gives up is an error here, not the end of the program
+    std::signal(SIGPIPE, SIG_IGN);  // a failing ffmpeg is an error, not the end of the program
     width_ = image.width;
     height_ = image.height;
-    // Most encoders want even sides. Players take what says nothing for BT.601 or BT.709, by its size.
+    // Most encoders need even sizes. Without a tag, players choose BT.601 or BT.709 by the size of the video.
     const bool has_matrix = ending_of(file_) != ".gif";
     const std::string colours =
         has_matrix ? ",scale=out_color_matrix=bt709:out_range=tv,format=yuv420p,setparams=range=tv:"

@@ -9,28 +9,28 @@
 
 namespace simuli::cli {
 
-/// Whether a file of this name is a video: .mp4, .mkv, .webm, .mov or .gif.
+/// Whether the extension is one of a video: .mp4, .mkv, .webm, .mov or .gif.
 [[nodiscard]] bool is_video(const std::filesystem::path& file);
 
-/// Pictures to a video through the program ffmpeg, which is looked for in PATH.
+/// Writes pictures to a video with the program ffmpeg from PATH.
 class Video {
  public:
-  /// Error{kUsage} when there is no ffmpeg. `frames_per_s` above 0.
+  /// Throws Error{kUsage} when ffmpeg is missing. `frames_per_s` must be above 0.
   Video(std::filesystem::path file, double frames_per_s);
   Video(const Video&) = delete;
   Video& operator=(const Video&) = delete;
   ~Video();
 
-  /// All pictures have the size of the first, 3 channels. Error{kInput} when ffmpeg refuses.
+  /// Adds a picture of the first picture's size with 3 channels. Throws Error{kInput} when ffmpeg fails.
   void add(const Image& image);
-  /// Waits for ffmpeg. Error{kInput} when it failed; then no file is left.
+  /// Waits for ffmpeg. Throws Error{kInput} when ffmpeg failed; then no file remains.
   void finish();
 
  private:
   [[noreturn]] void fail();
 
   std::filesystem::path file_;
-  std::optional<Temporary> temporary_;  // until it is whole
+  std::optional<Temporary> temporary_;  // until the file is complete
   double frames_per_s_;
   int width_ = 0, height_ = 0;
   std::FILE* pipe_ = nullptr;

@@ -110,7 +110,7 @@ std::string fit_line(const char* name, const calib::Fit& fit) {
 }
 
 std::string text_of(const calib::AlignReport& r) {
-  std::string text = fmt::format("path: {}, {}, {:.2f} m, {:.1f} s\n",
+  std::string text = fmt::format("trajectory: {}, {}, {:.2f} m, {:.1f} s\n",
                                  counted(r.sweeps, "sweep"),
                                  counted(r.returns, "return"),
                                  r.length_m,
@@ -138,13 +138,13 @@ std::string text_of(const calib::AlignReport& r) {
 }
 
 std::string text_of(const CameraResult& result) {
-  if (!result.report) return result.reason + "\n";  // which names the camera
+  if (!result.report) return result.reason + "\n";  // the reason contains the camera's name
   const calib::CameraPoseReport& r = *result.report;
   const auto row = [](const char* name, const Eigen::Vector3d& v, const char* unit) {
     return fmt::format("  {:<22} {:>9.4f} {:>9.4f} {:>9.4f} {}\n", name, v.x(), v.y(), v.z(), unit);
   };
   std::string text =
-      fmt::format("camera {}: {} depth edges in view, {} on an edge of the picture, {:.1f} % outliers\n",
+      fmt::format("camera {}: {} visible depth edges, {} on an edge of the picture, {:.1f} % outliers\n",
                   result.name,
                   r.edges,
                   r.matched,
@@ -153,7 +153,7 @@ std::string text_of(const CameraResult& result) {
       fmt::format("  median distance        {:.2f} px before, {:.2f} px after\n", r.before_px, r.after_px);
   if (r.pieces > 0) {
     text += fmt::format(
-        "  texture: {} returns on {} flat pieces; correlation {:.3f} where edges put it, {:.3f} after\n",
+        "  texture: {} returns on {} flat pieces; correlation {:.3f} after the edge fit, {:.3f} at the end\n",
         r.texture_points,
         r.pieces,
         r.texture_before,
@@ -161,7 +161,7 @@ std::string text_of(const CameraResult& result) {
   }
   text += row("moved by (camera axes)", r.translation_change_m, "m");
   text += row("standard deviations", r.translation_sigma_m, "m");
-  text += fmt::format("  {:<22} {:>9.4f} deg\n", "turned by", r.rotation_change_rad / kDegree);
+  text += fmt::format("  {:<22} {:>9.4f} deg\n", "rotated by", r.rotation_change_rad / kDegree);
   text += row("standard deviations", r.rotation_sigma_rad / kDegree, "deg");
   if (r.halves_apart_m && r.halves_apart_rad) {
     text += row("halves apart", *r.halves_apart_m, "m");
@@ -190,11 +190,11 @@ void apply(const CameraResult& result, Log& log) {
   sort_by_time(log);
 }
 
-void tell(const AlignCommand& command,
-          const Globals& globals,
-          const std::optional<calib::AlignReport>& report,
-          const std::vector<CameraResult>& cameras,
-          bool is_written) {
+void print_result(const AlignCommand& command,
+                  const Globals& globals,
+                  const std::optional<calib::AlignReport>& report,
+                  const std::vector<CameraResult>& cameras,
+                  bool is_written) {
   if (globals.json) {
     Json json = Json::object();
     if (report) json["path"] = to_json(*report);
@@ -209,20 +209,20 @@ void tell(const AlignCommand& command,
   if (is_written) {
     std::cout << fmt::format("log {} written{}\n",
                              on_one_line(command.output),
-                             !cameras.empty() && !command.apply_cameras ? ", cameras as they were" : "");
+                             !cameras.empty() && !command.apply_cameras ? ", cameras unchanged" : "");
   }
 }
 
 void align(const AlignCommand& command, const Globals& globals) {
   Log log = read_log(command.log);
   if (command.keep_path && command.cameras.empty()) {
-    throw_usage_error("--keep-path", "no --camera", "together with at least one");
+    throw_usage_error("--keep-path", "no --camera", "at least one --camera");
   }
   if (command.apply_cameras && (command.cameras.empty() || command.output.empty())) {
-    throw_usage_error("--apply-cameras", "no --camera or no --output", "with both");
+    throw_usage_error("--apply-cameras", "no --camera or no --output", "both");
   }
   for (const std::string& name : command.cameras) (void)log.camera(name);
-  if (!command.output.empty()) need_new_path(command.output);  // known now, not after minutes of work
+  if (!command.output.empty()) need_new_path(command.output);  // fails early, before minutes of work
   StageProgress progress(progress_style(globals));
   std::optional<calib::AlignReport> report;
   Trajectory path = log.world_from_rig;
@@ -235,7 +235,7 @@ void align(const AlignCommand& command, const Globals& globals) {
     path = Trajectory(report->path);
   }
   std::vector<CameraResult> cameras;
-  std::string refused;  // reasons; what the others say is told all the same, and nothing is written
+  std::string refused;  // reasons; other results are still printed, and no log is written
   for (const std::string& name : command.cameras) {
     const std::string lidar =
         command.align.lidar.empty() ? name_of(log.lidars.at(0).model) : command.align.lidar;
@@ -258,7 +258,7 @@ void align(const AlignCommand& command, const Globals& globals) {
   }
   const bool is_written = !command.output.empty() && refused.empty();
   if (is_written) calib::write_aligned_log(log, path, command.output);
-  tell(command, globals, report, cameras, is_written);
+  print_result(command, globals, report, cameras, is_written);
   if (!refused.empty()) throw Error(ErrorKind::kNumeric, refused);
 }
 
@@ -266,20 +266,21 @@ void align(const AlignCommand& command, const Globals& globals) {
 
 void add_align(Command app, const Globals& globals) {
   const auto command = std::make_shared<AlignCommand>();
-  Command sub = app.command("align", "find a log's path from its LiDAR alone, and its cameras' places");
+  Command sub =
+      app.command("align", "estimate a log's trajectory from its LiDAR, and the poses of its cameras");
   sub.option("LOG", command->log, "log folder").required();
   sub.option("-o,--output", command->output, "log folder to write; default: report only");
   sub.option("--lidar", command->align.lidar, "name of the LiDAR; default: the log's first");
-  sub.flag("--prior", command->align.use_prior, "believe the log's own poses (GNSS/IMU) as far as follows");
+  sub.flag("--prior", command->align.use_prior, "use the log's poses (GNSS/IMU) as a prior");
   sub.option("--prior-position", command->align.prior_sigma_m, "their standard deviation, m")
       .positive()
       .with_default();
   sub.option("--prior-rotation", command->prior_deg, "their standard deviation, degrees")
       .positive()
       .with_default();
-  sub.flag("--keep-path", command->keep_path, "use the log's path; calibrate cameras only");
-  sub.option("--camera", command->cameras, "find this camera's mounting and clock; may be repeated");
-  sub.flag("--apply-cameras", command->apply_cameras, "write what was found for the cameras too");
+  sub.flag("--keep-path", command->keep_path, "use the log's trajectory; calibrate only cameras");
+  sub.option("--camera", command->cameras, "estimate this camera's mounting and clock; may be repeated");
+  sub.flag("--apply-cameras", command->apply_cameras, "also write the estimated camera poses and clocks");
   sub.run([command, &globals] { align(*command, globals); });
 }
 

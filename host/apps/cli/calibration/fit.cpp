@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 
 struct BeamsCommand {
   std::string folder;
-  std::string topic;  // of a recording
+  std::string topic;  // topic of a recording
   std::string output;
   std::string name = "fitted";
   std::size_t most_sweeps = 16;
@@ -68,7 +68,7 @@ calib::RawSweep read_raw(const fs::path& file) {
 
 constexpr std::size_t kSpinSweeps = 10;
 
-/// What the fit is of: sweeps that follow each other, and such of the whole drive.
+/// Sweeps for a fit: consecutive sweeps from the start, and sweeps spread over the drive.
 struct RawSweeps {
   std::vector<calib::RawSweep> first, spread;
 };
@@ -88,7 +88,7 @@ RawSweeps read_sweeps(const BeamsCommand& command) {
   return sweeps;
 }
 
-/// Consecutive sweeps with the times that either spin direction gives them, in sweeps.
+/// Determines the spin direction from consecutive sweeps, with point times according to either direction.
 calib::SpinReport spin_of(const std::vector<calib::RawSweep>& sweeps, double period_s) {
   constexpr double kVehicle_m = 2.0;
   std::vector<calib::Returns> clockwise;
@@ -134,7 +134,7 @@ void fit_beams(const BeamsCommand& command, const Globals& globals) {
   const std::size_t count = sweeps.spread.size();
   const calib::BeamTable table = calib::find_beams(sweeps.spread);
   const calib::SpinReport spin = sweeps.first.size() >= 2 ? spin_of(sweeps.first, 1.0 / command.spin_hz)
-                                                          : calib::SpinReport{{}, 0, 0, "one sweep alone"};
+                                                          : calib::SpinReport{{}, 0, 0, "only one sweep"};
   LidarFile file{calib::lidar_of(table, command.name, spin.spin.value_or(SpinDirection::kClockwise)), {}};
   file.facts.note = fmt::format("fitted to {} sweeps of bare points{}",
                                 count,
@@ -158,18 +158,17 @@ void fit_beams(const BeamsCommand& command, const Globals& globals) {
     std::cout << json_text(json) << '\n';
     return;
   }
-  std::cout
-      << fmt::format(
-             "{} beams in {} points of {} sweeps; {} points on none of them, {} nearer than {} m, which "
-             "tell no beam\n",
-             table.rows.size(),
-             table.points,
-             count,
-             table.unplaced,
-             table.near,
-             calib::kNearestTelling_m)
-      << " row  elevation  sigma  vertical  sigma horizontal  azimuth   points residual\n"
-         "           deg    deg        mm     mm        mm      deg              mrad\n";
+  std::cout << fmt::format(
+                   "{} beams from {} points of {} sweeps; unused points: {} on no beam, {} nearer than {} m, "
+                   "too near for a fit\n",
+                   table.rows.size(),
+                   table.points,
+                   count,
+                   table.unplaced,
+                   table.near,
+                   calib::kNearestTelling_m)
+            << " row  elevation  sigma  vertical  sigma horizontal  azimuth   points residual\n"
+               "           deg    deg        mm     mm        mm      deg              mrad\n";
   for (std::size_t i = 0; i < table.rows.size(); ++i) std::cout << row_line(i, table.rows[i]);
   std::cout << fmt::format(
       "{:.1f} firings per turn, a step of {:.4f} deg; encoder of {} ticks; {:.1f} % of firings returned "
@@ -194,8 +193,7 @@ Camera camera_by_name(const LensCommand& command) {
   std::error_code ignored;
   if (!fs::is_regular_file(fs::path(command.target) / "log.json", ignored)) {
     if (!command.sensor.empty()) {
-      throw_input_error(
-          command.target, "folder", "no log.json", "a log, with the name of its camera behind it");
+      throw_input_error(command.target, "folder", "no log.json", "a log folder before a camera's name");
     }
     return named_sensor(command.target).camera();
   }
@@ -263,23 +261,23 @@ void add_fit(Command app, const Globals& globals) {
   fit.require_command();
 
   const auto beams = std::make_shared<BeamsCommand>();
-  Command table = fit.command("beams", "the beam table of a spinning LiDAR, from bare points");
+  Command table = fit.command("beams", "estimate the beam table of a spinning LiDAR from its points");
   table
       .option("DIR",
               beams->folder,
-              "folder of sweeps: *.bin, float32 x y z reflectance; or a recording of ROS 2, with --topic")
+              "folder of sweeps (*.bin, float32 x y z reflectance), or with --topic a recording of ROS 2")
       .required();
-  table.option("--topic", beams->topic, "of a recording: its clouds, measured at rest or not");
+  table.option("--topic", beams->topic, "topic of the clouds of a recording; the vehicle may move");
   table.option("-o,--output", beams->output, "LiDAR file to write");
-  table.option("--name", beams->name, "of the sensor").with_default();
-  table.option("--sweeps", beams->most_sweeps, "evenly taken, at most").with_default();
-  table.option("--spin-hz", beams->spin_hz, "turns per second, for the spin direction")
+  table.option("--name", beams->name, "name of the sensor").with_default();
+  table.option("--sweeps", beams->most_sweeps, "maximum number of sweeps, evenly spaced").with_default();
+  table.option("--spin-hz", beams->spin_hz, "revolutions per second, for the spin direction")
       .range(0.1, 1000.0)
       .with_default();
   table.run([beams, &globals] { fit_beams(*beams, globals); });
 
   const auto lens = std::make_shared<LensCommand>();
-  Command model = fit.command("lens", "a camera in terms of another lens model");
+  Command model = fit.command("lens", "convert a camera to another lens model");
   model.option("TARGET", lens->target, "built-in camera, camera file, or a log").required();
   model.option("SENSOR", lens->sensor, "camera of that log");
   model.option("--model", lens->model, "lens to fit: opencv_fisheye, ftheta_angle_to_radius, ...").required();

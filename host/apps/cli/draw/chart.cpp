@@ -26,7 +26,7 @@ struct Span {
   }
 };
 
-/// 1, 2 or 5 times a power of ten: about `count` steps over `span`.
+/// Returns 1, 2 or 5 times a power of ten: about `count` steps over `span`.
 double nice_step(double span, int count) {
   const double raw = span / count;
   const double power = std::pow(10.0, std::floor(std::log10(raw)));
@@ -36,13 +36,13 @@ double nice_step(double span, int count) {
   return 10.0 * power;
 }
 
-/// "12.3", "2052": three digits, and all of those before the point.
+/// Returns "12.3" or "2052": three digits, and all digits before the decimal point.
 std::string value_text(double value) {
   return std::abs(value) < 1000.0 ? fmt::format("{:.3g}", value) : fmt::format("{:.0f}", value);
 }
 
-/// Of most of the values: from the least to the greatest that lies no farther beyond the middle eighty per cent
-/// than these are wide. Of few values all.
+/// Returns the range of most values: values within the middle eighty percent or not farther outside than its
+/// width. All values if there are few.
 Span span_of_most(std::vector<double> values) {
   constexpr std::size_t kFew = 8;
   Span all;
@@ -50,7 +50,7 @@ Span span_of_most(std::vector<double> values) {
   if (values.size() < kFew) return all;
   std::sort(values.begin(), values.end());
   const double low = values[values.size() / 10], high = values[values.size() - 1 - values.size() / 10];
-  constexpr double kLeast = 0.02;  // of the values themselves: equal ones have a width, too
+  constexpr double kLeast = 0.02;  // relative minimum width, for equal values
   const double width = std::max(high - low, kLeast * std::max(std::abs(low), std::abs(high)));
   Span most;
   for (const double value : values) {
@@ -63,7 +63,7 @@ Span span_of_most(std::vector<double> values) {
 class Drawing {
  public:
   explicit Drawing(const Span& values) : y_(values) {
-    if (!(y_.high > y_.low)) {  // a constant gets a band around it
+    if (!(y_.high > y_.low)) {  // a constant has a band around it
       const double around = std::max(std::abs(y_.high), 1.0) * 0.01;
       y_ = {y_.low - around, y_.high + around};
     }
@@ -116,9 +116,9 @@ std::string curves_svg(const std::string& x_label, const std::vector<ChartSeries
     }
   }
   if (drawn < 2 || !(x.high > x.low)) return {};
-  constexpr double kMargin = 0.04;  // so that no mark is cut off
+  constexpr double kMargin = 0.04;  // avoids cut markers
   const Span most = span_of_most(values);
-  const auto told =
+  const auto distant =
       std::count_if(values.begin(), values.end(), [&](double v) { return v < most.low || v > most.high; });
   const double margin = kMargin * (most.high - most.low);
   const Span y{most.low - margin, most.high + margin};
@@ -155,8 +155,8 @@ std::string curves_svg(const std::string& x_label, const std::vector<ChartSeries
             escaped_html(series[s].name),
             series[s].x[i],
             value);
-        // The values of few can be read; those of a curve that comes from far away would hide each other.
-        if (told <= kMaxReported) {
+        // Labels only few distant points; those of a distant start of a curve would overlap.
+        if (distant <= kMaxReported) {
           drawing.text(at_x + 6.0, is_above ? at_y + 8.0 : at_y - 2.0, "start", value_text(value));
         }
         continue;
@@ -187,12 +187,12 @@ std::string bars_svg(const std::vector<std::string>& labels, const std::vector<C
     }
   }
   if (!(y.high >= y.low)) return {};
-  constexpr double kFar = 3.0;  // times the next: cut off
+  constexpr double kFar = 3.0;  // times the next value: cut off
   constexpr double kRoom = 1.25;
   std::sort(values.begin(), values.end());
   while (values.size() > 1 && values.back() > kFar * values[values.size() - 2]) values.pop_back();
   if (values.back() > 0.0 && values.back() < y.high) y.high = kRoom * values.back();
-  constexpr double kHardlyDiffer = 0.5;  // of the greatest
+  constexpr double kHardlyDiffer = 0.5;  // relative to the maximum
   const bool from_zero = !(y.low > kHardlyDiffer * y.high);
   const double foot =
       from_zero ? std::min(0.0, y.low) : y.low - 0.3 * std::max(y.high - y.low, 0.05 * y.high);
@@ -218,7 +218,7 @@ std::string bars_svg(const std::vector<std::string>& labels, const std::vector<C
           escaped_html(labels[i]),
           escaped_html(series[s].name),
           value));
-      if (is_cut) {  // two strokes through it
+      if (is_cut) {  // two strokes mark the cut
         for (const double below : {10.0, 15.0}) {
           drawing.add(fmt::format(R"(<line x1="{:.1f}" y1="{:.1f}" x2="{:.1f}" y2="{:.1f}" class="cut"/>)",
                                   x - 2.0,

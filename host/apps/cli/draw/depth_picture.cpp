@@ -40,20 +40,22 @@ DepthPicture depth_picture(const Frame& frame) {
   const auto distance = [&](std::size_t i) {
     return rays.median.empty() ? rays.expected_distance(i) : rays.median[i];
   };
-  const auto is_met = [&](std::size_t i) { return rays.transmittance[i] <= kMostLeft && distance(i) > 0.0F; };
-  std::vector<float> met;
+  const auto has_depth = [&](std::size_t i) {
+    return rays.transmittance[i] <= kMostLeft && distance(i) > 0.0F;
+  };
+  std::vector<float> depths;
   for (std::size_t i = 0; i < rays.rays; ++i) {
-    if (is_met(i)) met.push_back(distance(i));
+    if (has_depth(i)) depths.push_back(distance(i));
   }
-  if (met.empty()) return {std::move(image)};
-  std::sort(met.begin(), met.end());
-  const std::size_t cut = met.size() / kOneInEnds;
-  // Whole powers: the scale stays as it is while the camera moves on.
-  const double low = std::floor(std::log2(static_cast<double>(met[cut])));
+  if (depths.empty()) return {std::move(image)};
+  std::sort(depths.begin(), depths.end());
+  const std::size_t cut = depths.size() / kOneInEnds;
+  // Powers of two keep the scale constant while the camera moves.
+  const double low = std::floor(std::log2(static_cast<double>(depths[cut])));
   const double high =
-      std::max(std::ceil(std::log2(static_cast<double>(met[met.size() - 1 - cut]))), low + 1.0);
+      std::max(std::ceil(std::log2(static_cast<double>(depths[depths.size() - 1 - cut]))), low + 1.0);
   for (std::size_t i = 0; i < rays.rays; ++i) {
-    if (!is_met(i)) continue;
+    if (!has_depth(i)) continue;
     paint(image, i, colour_at((std::log2(static_cast<double>(distance(i))) - low) / (high - low)));
   }
   return {std::move(image), std::exp2(low), std::exp2(high)};

@@ -1,5 +1,5 @@
 #pragma once
-// Depth and opacity of a camera's frame as pictures.
+// Pictures of depth and opacity of a camera frame.
 #include "host/core/base/image.hpp"
 #include "host/device/render/scene/frame.hpp"
 
@@ -7,14 +7,15 @@ namespace simuli::cli {
 
 struct DepthPicture {
   Image image;                       // [height][width][3]
-  double near_m = 0.0, far_m = 0.0;  // ends of the scale of colours; 0: nothing is met
+  double near_m = 0.0, far_m = 0.0;  // range of the colour scale; 0: no ray has a depth
 };
-/// colour_at() of the logarithm of distances, medians where the frame has them, else expected ones, from the
-/// power of 2 below the nearest to that above the farthest of what all but one in 50 rays at either end meet;
-/// black where a ray goes on by more than a half. Waits. Error{kUsage} of a LiDAR.
+/// Returns colour_at() of the logarithm of the distances: the medians if the frame has them, else the
+/// expected distances. The scale covers all but one in 50 distances at either end, rounded outwards to powers
+/// of 2. Rays with a transmittance above one half are black. Waits for the frame. Throws Error{kUsage} for a
+/// LiDAR.
 [[nodiscard]] DepthPicture depth_picture(const Frame& frame);
 
-/// White where no light goes on, black where all does. Waits. Error{kUsage} of a LiDAR.
+/// Returns white for transmittance 0 and black for 1. Waits for the frame. Throws Error{kUsage} for a LiDAR.
 [[nodiscard]] Image opacity_picture(const Frame& frame);
 
 }  // namespace simuli::cli

@@ -15,11 +15,11 @@
 
 namespace simuli {
 namespace cli {
-std::span<const EmbeddedFile> report_files();  // of page/, embedded by the build
+std::span<const EmbeddedFile> report_files();  // files of page/, embedded by the build
 }  // namespace cli
 namespace {
 
-/// A file of host/apps/cli/draw/page/.
+/// Returns a file of host/apps/cli/draw/page/.
 std::string_view page_file(std::string_view name) {
   for (const EmbeddedFile& file : cli::report_files()) {
     if (file.path == name) return file.text;
@@ -44,7 +44,7 @@ void append_steps(std::string& bytes, double steps) {
   bytes += static_cast<char>(value >> 8U);
 }
 
-/// Of a scene's layer, as page/cloud.js reads it.
+/// Returns a layer of a cloud in the format of page/cloud.js.
 std::string layer_script(const CloudLayer& layer) {
   constexpr double kMostSteps = 32767.0;
   const std::size_t all = layer.xyz.size() / 3;
@@ -73,7 +73,7 @@ std::string layer_script(const CloudLayer& layer) {
       base64(bytes));
 }
 
-/// The colours of ranges, for page/cloud.js.
+/// Returns the colour scale of ranges for page/cloud.js.
 std::string ramp_text() {
   constexpr int kStops = 11;
   std::string text;
@@ -98,7 +98,7 @@ std::string boxes_text(const std::vector<CloudBox>& boxes) {
   return "[" + text + "]";
 }
 
-/// Empty without a drawing.
+/// Returns "" if `svg` is empty.
 std::string chart_figure(const std::string& title,
                          const std::vector<ChartSeries>& series,
                          const std::string& svg) {
@@ -195,7 +195,7 @@ void HtmlReport::bars(const std::string& title,
 }
 
 void HtmlReport::add_figure(const Image& size, const std::string& shot, const std::string& caption) {
-  constexpr int kWide = 2;  // times as wide as high: a row of its own
+  constexpr int kWide = 2;  // aspect ratio of pictures with a row of their own
   add("pictures",
       fmt::format("<figure{}><div class=\"shot\">{}</div><figcaption>{}</figcaption></figure>\n",
                   size.width >= kWide * size.height ? " class=\"wide\"" : "",

@@ -1,11 +1,11 @@
 #pragma once
-// Text and bytes as they stand in HTML.
+// Encodes text and bytes for HTML.
 #include <string>
 #include <string_view>
 
 namespace simuli {
 
-/// Plain text, between tags or in an attribute.
+/// Escapes plain text for element content and attributes.
 [[nodiscard]] std::string escaped_html(std::string_view text);
 [[nodiscard]] std::string base64(std::string_view bytes);
 

@@ -13,7 +13,7 @@
 namespace simuli::cli {
 namespace {
 
-/// Colours from near to far, interpolated linearly; each neighbour differs in hue and in lightness.
+/// Colours from near to far, interpolated linearly; neighbours differ in hue and lightness.
 constexpr std::array<std::array<float, 3>, 6> kRangeColours = {{{1.00F, 0.97F, 0.75F},
                                                                 {0.99F, 0.75F, 0.25F},
                                                                 {0.91F, 0.36F, 0.26F},
@@ -38,7 +38,7 @@ std::array<float, 3> colour_at(double place) {
 
 namespace {
 
-/// Colours of ranges, on a logarithmic scale.
+/// Colour scale of ranges, logarithmic.
 class RangeScale {
  public:
   explicit RangeScale(const LidarModel& lidar)
@@ -51,7 +51,7 @@ class RangeScale {
   double nearest_m_, decades_;
 };
 
-/// The farthest first, behind those without a return.
+/// Returns rays without a return first, then the others from far to near.
 std::vector<std::size_t> drawing_order(const std::vector<float>& range) {
   std::vector<std::size_t> order(range.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -100,7 +100,7 @@ Image range_error_image(const LidarModel& lidar,
 std::array<float, 3> error_colour(float error) {
   const float place = std::min(error, 1.0F);
   std::array<float, 3> colour = colour_at(1.0 - static_cast<double>(place));
-  for (float& value : colour) value *= place;  // from black, so that what is right is dark
+  for (float& value : colour) value *= place;  // black for no error
   return colour;
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 
-/// Columns, by row, that its rays lie further along the spin than they would without azimuth offsets.
+/// Returns for each beam the mean offset of its azimuths along the spin, in columns.
 std::vector<double> shifts_of(const Lidar& lidar, const LidarRays& rays, int columns) {
   const double step = lidar.azimuth_span / columns;
   std::vector<double> shifts;
@@ -28,7 +28,7 @@ std::vector<double> shifts_of(const Lidar& lidar, const LidarRays& rays, int col
   return shifts;
 }
 
-/// Pixels that a column is wide: 2 where rows stand between whole columns beside the first one.
+/// Returns the width of a column in pixels: 2 if offsets relative to the first beam are not whole columns.
 int column_px(const std::vector<double>& shifts, int columns) {
   constexpr double kOff = 0.15;  // of a column
   const bool is_right = std::all_of(shifts.begin(), shifts.end(), [&](double shift) {
@@ -69,7 +69,7 @@ void SweepCanvas::place_rows(const Lidar& lidar, const LidarRays& rays) {
     for (int column = 0; column < columns; ++column) {
       const int along = column * ray_width_ + shift_px;
       const int from_left = is_turn ? (along % sweep_px + sweep_px) % sweep_px : along - *least;
-      // Azimuth grows to the left.
+      // Azimuth increases to the left.
       const bool is_clockwise = lidar.spin == SpinDirection::kClockwise;
       places_.push_back(
           {is_clockwise ? from_left : image_.width - ray_width_ - from_left, row * ray_height_});
@@ -86,7 +86,7 @@ void SweepCanvas::place_list(const LidarRays& rays) {
     cosine += std::cos(static_cast<double>(azimuth));
   }
   const double middle = std::atan2(sine, cosine);
-  std::vector<double> left, up;  // rad, of the middle
+  std::vector<double> left, up;  // rad, relative to the centre
   for (std::size_t i = 0; i < rays.azimuth.size(); ++i) {
     left.push_back(std::remainder(static_cast<double>(rays.azimuth[i]) - middle, kTurn_rad));
     up.push_back(static_cast<double>(rays.elevation[i]));
@@ -108,7 +108,7 @@ void SweepCanvas::place_list(const LidarRays& rays) {
 void SweepCanvas::draw(std::size_t ray, const std::array<float, 3>& colour) {
   const Place& place = places_[ray];
   for (int dx = 0; dx < ray_width_; ++dx) {
-    const int x = (place.x + dx + image_.width) % image_.width;  // round the turn
+    const int x = (place.x + dx + image_.width) % image_.width;  // wraps around
     for (int dy = 0; dy < ray_height_; ++dy) {
       for (int c = 0; c < 3; ++c) image_.at(x, place.y + dy, c) = colour[static_cast<std::size_t>(c)];
     }

@@ -1,5 +1,5 @@
 #pragma once
-// A sweep as a picture: where each of its rays stands.
+// Picture of a LiDAR sweep.
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -9,13 +9,12 @@
 
 namespace simuli::cli {
 
-/// kNoRay all over, until rays are drawn. Of a LiDAR with rows: beams from top to bottom, each kBeam_px tall,
-/// from left to right as seen from the sensor, where a column is an azimuth. A beam whose rays fire ahead of
-/// the others' or behind them is moved by so many columns, round the turn or, of a part of a turn, into a
-/// wider picture; where that is no whole number, rays are drawn twice as large and it is right to a pixel,
-/// unless the picture got wider than kWidest_px. Beams are found where they were fired, whatever the model
-/// says. Rays of a list: where they point to, as squares of kListRay_px, equally many pixels per rad both
-/// ways.
+/// A picture filled with kNoRay, on which rays are drawn. A LiDAR with beams: beams from top to bottom, each
+/// kBeam_px high, and columns of equal azimuth from left to right as seen from the sensor. A beam with an
+/// azimuth offset is moved by whole columns; a full revolution wraps around, a partial one widens the
+/// picture. If offsets are not whole columns, rays are drawn twice as large, unless the picture exceeds
+/// kWidest_px. Offsets follow from the azimuths of `rays`, not from the model. A ray list: rays at their
+/// azimuth and elevation as squares of kListRay_px, with the same scale in both directions.
 class SweepCanvas {
  public:
   static constexpr int kBeam_px = 4;
@@ -24,13 +23,13 @@ class SweepCanvas {
   static constexpr std::array<float, 3> kNoRay{0.32F, 0.32F, 0.34F};
 
   SweepCanvas(const LidarModel& lidar, const LidarRays& rays);
-  /// Over what was drawn before.
+  /// Draws a ray over previous ones.
   void draw(std::size_t ray, const std::array<float, 3>& colour);
   [[nodiscard]] Image finish() && { return std::move(image_); }
 
  private:
   struct Place {
-    int x, y;  // of the top left corner
+    int x, y;  // top left corner
   };
   void place_rows(const Lidar& lidar, const LidarRays& rays);
   void place_list(const LidarRays& rays);

@@ -5,7 +5,7 @@
 namespace simuli::cli {
 namespace {
 
-/// In the middle of a camera's frames.
+/// Returns the mid times of a camera's frames.
 std::vector<double> times_of(const SceneFile& file, const std::string& camera) {
   std::vector<double> times;
   const auto spans = file.recorded_frames.find(camera);
@@ -78,16 +78,16 @@ bool RecordedViews::has(const Eigen::Vector3d& p_world) const {
 
 namespace {
 
-/// A grid of blocks of a picture.
+/// Grid of blocks of a picture.
 struct Blocks {
   int columns = 0, rows = 0;
-  std::vector<int> unseen;  // [rows][columns] 1; 0: seen, or without a ray
+  std::vector<int> unseen;  // [rows][columns] 1: unseen; 0: seen, or without a ray
 
   [[nodiscard]] int at(int column, int row) const {
     return unseen[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
                   static_cast<std::size_t>(column)];
   }
-  /// What most of it and its neighbours are: few blocks are noise of the distances.
+  /// Whether most blocks of the neighbourhood are unseen: single blocks are noise of the distances.
   [[nodiscard]] bool is_mostly_unseen(int column, int row) const {
     constexpr int kReach = 2;
     int all = 0, marked = 0;
@@ -126,13 +126,13 @@ MarkedPicture with_unseen_marked(const Frame& frame, const RecordedViews& views)
       ++with_ray;
       const std::size_t ray =
           static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(x);
-      // Light that comes from two distances has its mean between them and its median at one: the nearer
-      // counts.
+      // For light from two distances the mean is between them and the median at one of them; the smaller
+      // value is used.
       const float mean_m = rays.expected_distance(ray);
       const bool has_median = !rays.median.empty() && rays.median[ray] > 0.0F;
-      const float met_m = has_median ? std::min(mean_m, rays.median[ray]) : mean_m;
-      const bool is_met = rays.transmittance[ray] <= kMostLeft;
-      const double distance_m = is_met ? static_cast<double>(met_m) : kSky_m;
+      const float depth_m = has_median ? std::min(mean_m, rays.median[ray]) : mean_m;
+      const bool has_depth = rays.transmittance[ray] <= kMostLeft;
+      const double distance_m = has_depth ? static_cast<double>(depth_m) : kSky_m;
       const Pose world_from_camera = frame.shot().pose_at(camera.exposure_fraction(pixel));
       const Eigen::Vector3d p_world = world_from_camera * Eigen::Vector3d(distance_m * direction);
       blocks.unseen.back() = near.has(p_world) ? 0 : 1;

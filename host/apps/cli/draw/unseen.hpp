@@ -1,5 +1,5 @@
 #pragma once
-// What a picture shows that no recorded camera faced.
+// Marks parts of a picture that no recorded camera has covered.
 #include <Eigen/Core>
 #include <cstddef>
 #include <vector>
@@ -10,20 +10,20 @@
 
 namespace simuli::cli {
 
-/// Where the cameras were, and looked, that a scene was made of: at their recorded frames, or all along the
-/// path where the scene doesn't say when these were.
+/// Camera poses of the recording of a scene: at the recorded frames, or at all ego poses if the scene does
+/// not store frame times.
 class RecordedViews {
  public:
-  /// `file` must outlive this and what around() makes of it.
+  /// `file` must outlive this object and the results of around().
   explicit RecordedViews(const SceneFile& file);
 
-  /// A scene without cameras, or without a path: nothing can be told.
+  /// Whether the scene has no camera or no trajectory.
   [[nodiscard]] bool empty() const { return views_.empty(); }
-  /// Those that tell most of what is seen from a point (m, world): the kNearest views of each camera, and as
-  /// many of its others, evenly spread.
+  /// Returns a selection for a point (m, world): the kNearest nearest views of each camera and as many of its
+  /// other views, evenly selected.
   [[nodiscard]] RecordedViews around(const Eigen::Vector3d& p_world) const;
   static constexpr std::size_t kNearest = 30;
-  /// Whether a point (m, world) falls into one of the pictures, whatever stands before it.
+  /// Whether a point (m, world) projects into one of the pictures; occlusion is ignored.
   [[nodiscard]] bool has(const Eigen::Vector3d& p_world) const;
 
  private:
@@ -31,20 +31,20 @@ class RecordedViews {
   struct View {
     const Camera* camera;
     Pose camera_from_world;
-    Eigen::Vector3d p_world;  // of the camera, m
+    Eigen::Vector3d p_world;  // position of the camera, m
   };
-  std::vector<View> views_;       // by camera
-  mutable std::size_t last_ = 0;  // that had a point: its neighbours mostly have theirs there, too
+  std::vector<View> views_;  // by camera
+  mutable std::size_t last_ =
+      0;  // view that contained the last point; neighbours are mostly in the same view
 };
 
-/// A camera's picture, hatched and darkened where nothing recorded is: where what a pixel shows, or its
-/// direction where the light goes on by more than a half, was in no recorded picture. What it shows is at the
-/// mean distance, or at the median where the frame has it (FrameRequest::camera_median) and it is nearer.
-/// Told for blocks of kUnseenBlock_px. Pixels without a ray stay as they are. Waits. Error{kUsage} of a
-/// LiDAR.
+/// A camera picture with hatched, darkened areas that no recorded picture covers. Tested is the point at the
+/// mean distance, or at the median if the frame has it (FrameRequest::camera_median) and it is nearer; with a
+/// transmittance above one half the direction. The resolution is one block of kUnseenBlock_px. Pixels without
+/// a ray are unchanged. Waits for the frame. Throws Error{kUsage} for a LiDAR.
 struct MarkedPicture {
   Image image;
-  double unseen_share = 0.0;  // of the pixels that have a ray
+  double unseen_share = 0.0;  // share of the pixels with a ray
 };
 [[nodiscard]] MarkedPicture with_unseen_marked(const Frame& frame, const RecordedViews& views);
 inline constexpr int kUnseenBlock_px = 4;

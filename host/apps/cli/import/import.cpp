@@ -27,12 +27,12 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-/// What became of the recorded points.
+/// Returns a line with the numbers of recorded points and rays.
 std::string beams_line(const KittiReport& r) {
   const auto percent = [](std::size_t part, std::size_t whole) {
     return whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0;
   };
-  return fmt::format("{} points, {} of them on no beam and left out ({:.3f} %); {:.1f} % of {} rays returned",
+  return fmt::format("{} points; left out: {} on no beam ({:.3f} %); {:.1f} % of {} rays returned",
                      r.points,
                      r.unplaced,
                      percent(r.unplaced, r.points),
@@ -49,24 +49,24 @@ Lines print_kitti(const KittiReport& r) {
                                 runs_text(gaps.frames)));
   }
   for (const KittiGaps& gaps : r.disordered) {
-    lines.push_back(fmt::format("{}: the clock runs backwards; {} of the frames are left out: {}",
+    lines.push_back(fmt::format("{}: the time decreases; left out: {} frames: {}",
                                 gaps.sensor,
                                 gaps.frames.size(),
                                 runs_text(gaps.frames)));
   }
   for (const KittiJump& jump : r.jumps)
-    lines.push_back(fmt::format("{}: {:.3g} s pass before frame {}", jump.sensor, jump.step_s, jump.frame));
+    lines.push_back(fmt::format("{}: gap of {:.3g} s before frame {}", jump.sensor, jump.step_s, jump.frame));
   lines.push_back(beams_line(r));
   return lines;
 }
 
 Lines print_kitti360(const Kitti360Report& r) {
-  return {fmt::format("{} pictures and sweeps are absent, {} without a pose", r.absent, r.unposed),
+  return {fmt::format("{} pictures and sweeps are missing, {} without a pose", r.absent, r.unposed),
           beams_line(r.points)};
 }
 
 Lines print_photos(const PhotoReport& r) {
-  Lines lines{fmt::format("{} photographs ({} named but absent), {} points, {:.4g} m per unit",
+  Lines lines{fmt::format("{} photographs ({} listed but missing), {} points, {:.4g} m per unit",
                           r.photos,
                           r.absent,
                           r.points,
@@ -75,7 +75,7 @@ Lines print_photos(const PhotoReport& r) {
   return lines;
 }
 
-/// Adds what `import` does for posed photographs.
+/// Adds options and the run function for posed photographs.
 template <class Options, class Run>
 void add_photos(Command command,
                 const char* name,
@@ -85,7 +85,7 @@ void add_photos(Command command,
   command
       .option("--metres-per-unit",
               options->metres_per_unit,
-              "size of the world; default: points 10 m away, or steps of 0.5 m between photographs")
+              "scale of the model; default: points 10 m away, or steps of 0.5 m between photographs")
       .positive();
   add_run<PhotoReport>(command, name, options, globals, run, print_photos);
 }
@@ -93,7 +93,7 @@ void add_photos(Command command,
 Lines print_nuscenes(const NuscenesReport& r) {
   Lines lines = r.hidden;
   lines.push_back(
-      fmt::format("{} named files are absent; {} of {} rays returned", r.absent, r.returned, r.rays));
+      fmt::format("{} listed files are missing; {} of {} rays returned", r.absent, r.returned, r.rays));
   return lines;
 }
 
@@ -159,7 +159,7 @@ void need_output(std::filesystem::path& output, bool is_survey) {
 
 void add_label_line(const LabelReport& report, std::vector<std::string>& lines) {
   if (report.repeated == 0) return;
-  lines.push_back(fmt::format("left out: {} of {} labels, whose actors have another label at the same time",
+  lines.push_back(fmt::format("left out: {} of {} labels that repeat an actor and a time",
                               report.repeated,
                               report.kept + report.repeated));
 }
@@ -179,7 +179,7 @@ void print_import(const Log& log, const std::vector<std::string>& notes, bool is
 }
 
 std::string points_line(const PointReport& r) {
-  return fmt::format("{} points, {} of them on no ray and {} second echoes left out; {} of {} rays returned",
+  return fmt::format("{} points; left out: {} on no ray, {} second echoes; {} of {} rays returned",
                      r.points,
                      r.unplaced,
                      r.echoes,
@@ -205,25 +205,25 @@ std::string runs_text(const std::vector<std::size_t>& numbers) {
 
 void add_import(Command app, const Globals& globals) {
   Command import =
-      app.command("import", "turn a recorded drive of another format into a log folder, splats into a scene");
+      app.command("import", "convert a drive of another format to a log folder, or splats to a scene");
   import.require_command();
 
   const auto options = std::make_shared<KittiOptions>();
   Command kitti = import.command("kitti", "KITTI raw drive: cameras, HDL-64E, oxts");
-  kitti.option("DIR", options->drive, "folder of one drive, the calibration in its parent").required();
+  kitti.option("DIR", options->drive, "folder of one drive; its parent contains the calibration").required();
   kitti
-      .option(
-          "--cameras",
-          options->cameras,
-          "of image_02 (left), image_03 (right) and the grey ones image_00 and image_01, parted by commas")
+      .option("--cameras",
+              options->cameras,
+              "comma-separated list of image_02 (left), image_03 (right), image_00 and image_01 (grey)")
       .comma_separated()
       .shown_as("NAME,...", "image_02");
   add_frames(kitti, options, "the drive's");
   kitti.option("--poses", options->poses, "JSON with world_from_velo per frame; default: poses from oxts");
   kitti.option("--tracking",
                options->tracking,
-               "label file of the tracking benchmark with this drive's boxes: actors");
-  kitti.flag("--no-poses", options->without_poses, "a rig at rest; simuli align finds the path")
+               "label file of the tracking benchmark with this drive's boxes, imported as actors");
+  kitti
+      .flag("--no-poses", options->without_poses, "store no ego poses; simuli align estimates the trajectory")
       .excludes("--poses");
   kitti.option("--beams", options->lidar, "LiDAR file (simuli fit beams); default: the built-in table");
   add_run<KittiReport>(
@@ -240,7 +240,8 @@ void add_import(Command app, const Globals& globals) {
   Command sequence =
       import.command("kitti360", "frames of KITTI-360: perspective and fisheye cameras, HDL-64E");
   sequence.option("DIR", kitti360->root, "folder of the data set: calibration, data_2d_raw ..").required();
-  sequence.option("--sequence", kitti360->sequence, "as 2013_05_28_drive_0000_sync; default: the only one");
+  sequence.option(
+      "--sequence", kitti360->sequence, "for example 2013_05_28_drive_0000_sync; default: the only sequence");
   add_frames(sequence, kitti360, "the sequence's");
   sequence.option("--beams", kitti360->lidar, "LiDAR file (simuli fit beams); default: KITTI's own table");
   add_run<Kitti360Report>(sequence, "kitti360", kitti360, globals, import_kitti360, print_kitti360);
@@ -248,8 +249,9 @@ void add_import(Command app, const Globals& globals) {
   const auto nuscenes = std::make_shared<NuscenesOptions>();
   Command scene = import.command("nuscenes", "a scene of nuScenes: cameras, LIDAR_TOP, boxes");
   scene.option("DIR", nuscenes->root, "folder of the data set: tables, samples, sweeps").required();
-  scene.option("--version", nuscenes->version, "folder of tables, as v1.0-mini; default: the only one");
-  scene.option("--scene", nuscenes->scene, "as scene-0061; default: the only one");
+  scene.option(
+      "--version", nuscenes->version, "folder of tables, for example v1.0-mini; default: the only version");
+  scene.option("--scene", nuscenes->scene, "for example scene-0061; default: the only scene");
   add_run<NuscenesReport>(scene, "nuscenes", nuscenes, globals, import_nuscenes, print_nuscenes);
 
   const auto waymo = std::make_shared<WaymoOptions>();
@@ -262,14 +264,16 @@ void add_import(Command app, const Globals& globals) {
   add_import_ncore(import, globals);
 
   const auto points = std::make_shared<PointsOptions>();
-  Command bare = import.command("points", "a drive of your own: points.json, lists of points, pictures");
+  Command bare =
+      import.command("points", "a drive in a simple format: points.json, lists of points, pictures");
   bare.option("DIR", points->folder, "folder with points.json (format: io/import/points/points_log.hpp)")
       .required();
   add_run<PointReport>(bare, "points", points, globals, import_points, print_points);
 
   const auto colmap = std::make_shared<ColmapOptions>();
   Command sub = import.command("colmap", "a COLMAP model with its photographs");
-  sub.option("DIR", colmap->model, "folder of cameras.bin or .txt, or one above its sparse/0").required();
+  sub.option("DIR", colmap->model, "folder with cameras.bin or .txt, or the parent of its sparse/0")
+      .required();
   sub.option("--images", colmap->images, "folder of the photographs; default: images, near the model");
   add_photos(sub, "colmap", colmap, globals, import_colmap);
 
@@ -280,13 +284,13 @@ void add_import(Command app, const Globals& globals) {
 
   const auto splat = std::make_shared<SplatCommand>();
   sub = import.command("splat", "a file of splats as a scene: .ply (also SuperSplat's compressed), .spz");
-  sub.option("FILE", splat->file, "its LiDAR set becomes the particles' geometry, as bright as they are")
+  sub.option("FILE",
+             splat->file,
+             "the LiDAR set receives the same particles, with intensity from their brightness")
       .required();
   add_output(sub, splat->output, splat->is_survey, "scene");
-  sub.option("--axes", splat->axes, "what is up in the file")
-      .one_of({"y-down", "y-up", "z-up"})
-      .with_default();
-  sub.option("--metres-per-unit", splat->placement.metres_per_unit, "size of the model").positive();
+  sub.option("--axes", splat->axes, "up axis of the file").one_of({"y-down", "y-up", "z-up"}).with_default();
+  sub.option("--metres-per-unit", splat->placement.metres_per_unit, "scale of the model").positive();
   sub.option("--pose", splat->pose, "X,Y,Z,ROLL,PITCH,YAW of the model in the world, m and degrees");
   sub.run([splat, &globals] { import_splats(*splat, globals); });
 }

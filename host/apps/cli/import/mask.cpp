@@ -1,4 +1,4 @@
-// simuli mask: what a log's cameras see of their own vehicle, as pictures that hide it.
+// Command simuli mask: adds ego masks to the cameras of a log.
 #include <algorithm>
 #include <filesystem>
 #include <fmt/format.h>
@@ -30,11 +30,11 @@ struct MaskCommand {
   std::vector<std::string> masks;  // CAMERA:FILE
 };
 
-/// The log with one more mask, and where that comes from.
+/// Adds the mask CAMERA:FILE to the log, and its file to `files` by name in the log.
 void put_mask(Log& log, const std::string& given, std::map<std::string, fs::path>& files) {
   const std::size_t colon = given.find(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == given.size())
-    throw_usage_error("CAMERA:FILE", given, "front:hood.png");
+    throw_usage_error("CAMERA:FILE", given, "front:mask.png");
   const std::string camera = given.substr(0, colon);
   const fs::path file = given.substr(colon + 1);
   (void)read_camera_mask(file, log.camera(camera).model);
@@ -70,16 +70,14 @@ void mask(const MaskCommand& command, const Globals& globals) {
 
 void add_mask(Command app, const Globals& globals) {
   const auto command = std::make_shared<MaskCommand>();
-  Command sub = app.command(
-      "mask", "hide in a log what its pictures show of the vehicle itself, from training and scores");
+  Command sub = app.command("mask", "mask the ego vehicle in the pictures of a log, for training and scores");
   sub.option("LOG", command->log, "log folder").required();
   sub.option("MASK",
              command->masks,
-             "CAMERA:FILE, a picture of the camera's shape: what is not 0 in it is hidden. A camera may have "
-             "several")
+             "CAMERA:FILE, a picture of the camera's size: pixels other than 0 are hidden. A camera may have "
+             "several masks")
       .required();
-  sub.option(
-         "-o,--output", command->output, "log folder to write, pictures and sweeps shared with the other one")
+  sub.option("-o,--output", command->output, "log folder to write; it shares pictures and sweeps with LOG")
       .required();
   sub.run([command, &globals] { mask(*command, globals); });
 }

@@ -40,7 +40,7 @@ std::pair<std::string, Ros2Shutter> shutter_of(const std::string& text) {
   const double readout_s = parts.size() == 2 ? std::strtod(parts[1].c_str(), &end) : 0.0;
   if (parts.size() != 2 || end == parts[1].c_str() || *end != '\0' ||
       !(readout_s > 0.0 && readout_s <= 1.0)) {
-    refuse("--shutter", text, "TOPIC:KIND:SECONDS, to 1");
+    refuse("--shutter", text, "TOPIC:KIND:SECONDS, at most 1 s");
   }
   try {
     return {topic, {shutter_from_string(parts[0], "--shutter", topic), readout_s}};
@@ -49,27 +49,27 @@ std::pair<std::string, Ros2Shutter> shutter_of(const std::string& text) {
   }
 }
 
-Log import_recording(Ros2Command asked,
+Log import_recording(Ros2Command given,
                      const FrameProgress& progress,
                      Ros2Report& report) {
-  for (const std::string& text : asked.tables) asked.lidars.push_back(lidar_of(text));
-  for (const std::string& text : asked.mountings) {
+  for (const std::string& text : given.tables) given.lidars.push_back(lidar_of(text));
+  for (const std::string& text : given.mountings) {
     const auto [topic, mount] = parted("--mount", text, ':');
-    asked.mounts[topic] = parse_mounting("--mount", mount);
+    given.mounts[topic] = parse_mounting("--mount", mount);
   }
-  for (const std::string& text : asked.files) {
+  for (const std::string& text : given.files) {
     const auto [topic, file] = parted("--camera", text, '=');
-    asked.lenses[topic] = read_camera_file(file);
+    given.lenses[topic] = read_camera_file(file);
   }
-  for (const std::string& text : asked.readouts) asked.shutters.insert(shutter_of(text));
-  return import_ros2(asked, progress, report);
+  for (const std::string& text : given.readouts) given.shutters.insert(shutter_of(text));
+  return import_ros2(given, progress, report);
 }
 
 std::vector<std::string> print_ros2(const Ros2Report& r) {
   std::vector<std::string> lines = r.notes;
   if (r.unposed > 0)
-    lines.push_back(fmt::format("{} clouds and pictures lie beside the path and are left out", r.unposed));
-  if (r.twice > 0) lines.push_back(fmt::format("{} clouds and pictures were recorded twice", r.twice));
+    lines.push_back(fmt::format("left out: {} clouds and pictures outside the trajectory's time", r.unposed));
+  if (r.twice > 0) lines.push_back(fmt::format("left out: {} clouds and pictures recorded twice", r.twice));
   if (r.sweeps > 0) lines.push_back(points_line(r.points));
   return lines;
 }
@@ -91,7 +91,7 @@ Lidar lidar_table(const std::string& name) {
   const Sensor sensor = named_sensor(name);
   const auto* table = sensor.is_camera() ? nullptr : std::get_if<Lidar>(&sensor.lidar());
   if (table == nullptr) {
-    refuse("--lidar", name, "a LiDAR with rows (simuli info sensors)");
+    refuse("--lidar", name, "a LiDAR with beams (simuli info sensors)");
   }
   return *table;
 }
@@ -100,59 +100,58 @@ void add_import_ros2(Command import, const Globals& globals) {
   const auto command = std::make_shared<Ros2Command>();
   Ros2Command& options = *command;
   Command sub = import.command("mcap", "a recording of ROS 2: clouds, pictures, transforms");
-  sub.option("FILE", options.recording, ".mcap or .db3, or a folder of such").required();
+  sub.option("FILE", options.recording, ".mcap or .db3 file, or a folder of them").required();
   sub.option("--lidar",
              command->tables,
-             "TOPIC=SENSOR[:FRAME], a topic of PointCloud2, whose beams it has, built-in (velodyne_vlp16, at "
+             "TOPIC=SENSOR[:FRAME], a topic of PointCloud2 and its beams: built-in (velodyne_vlp16, at "
              "20 Hz "
-             "alone velodyne_vlp16@20) or a LiDAR file (simuli fit beams), and the frame that these are in, "
+             "only velodyne_vlp16@20) or a LiDAR file (simuli fit beams); FRAME: frame of the beams, "
              "if it is "
-             "not the clouds'")
+             "not the frame of the clouds")
       .one_at_a_time();
-  sub.flag("--no-lidars", options.without_lidars, "pictures alone").excludes("--lidar");
+  sub.flag("--no-lidars", options.without_lidars, "import only pictures").excludes("--lidar");
   sub.option(
          "--cameras",
          command->cameras,
-         "topics of Image or CompressedImage, parted by commas; default: all with a camera_info beside them")
+         "comma-separated topics of Image or CompressedImage; default: all with a camera_info")
       .comma_separated()
       .shown_as("TOPIC,...", "");
   sub.option("--camera",
              command->files,
-             "TOPIC=FILE, a camera file (simuli info NAME --json, simuli fit lens) instead of a CameraInfo, "
-             "whose name "
-             "and numbers the topic lacks or has wrong")
+             "TOPIC=FILE, a camera file (simuli info NAME --json, simuli fit lens) for a missing or wrong "
+             "CameraInfo")
       .one_at_a_time();
   sub.option("--topics",
              command->topics,
-             "that alone are read, parted by commas, of transforms and camera_infos, too; default: all")
+             "comma-separated topics to read, including transforms and camera_infos; default: all")
       .comma_separated()
       .shown_as("TOPIC,...", "");
-  sub.option("--ignore", command->ignore, "topics that are not read, parted by commas")
+  sub.option("--ignore", command->ignore, "comma-separated topics to skip")
       .comma_separated()
       .shown_as("TOPIC,...", "")
       .excludes("--topics");
   sub.option("--rig-frame", options.rig_frame, "the vehicle's frame").with_default();
   sub.option(
-      "--world-frame", options.world_frame, "that the path is in; default: the uppermost above the rig");
-  sub.option("--odometry", options.odometry, "topic of Odometry for the path, instead of transforms");
-  sub.flag("--no-poses", options.without_poses, "a rig at rest; simuli align finds the path");
+      "--world-frame", options.world_frame, "frame of the trajectory; default: the root frame of the rig");
+  sub.option("--odometry", options.odometry, "topic of Odometry for the trajectory, instead of transforms");
+  sub.flag("--no-poses", options.without_poses, "store no ego poses; simuli align estimates the trajectory");
   sub.option("--mount",
              command->mountings,
              "TOPIC:X,Y,Z,ROLL,PITCH,YAW of a sensor on the rig, m and degrees, instead of transforms")
       .one_at_a_time();
   sub.option("--shutter",
              command->readouts,
-             "TOPIC:KIND:SECONDS of a camera that reads out its rows from the stamp on: top_to_bottom ...")
+             "TOPIC:KIND:SECONDS, readout of a camera's rows that starts at the stamp: top_to_bottom ...")
       .one_at_a_time();
   sub.option("--stamp",
              options.stamp,
-             "start or end: which of a sweep a cloud's stamp is; default: by points' times")
+             "time of a cloud's stamp in its sweep, start or end; default: from the points' times")
       .one_of({"start", "end"});
   sub.option("--point-time",
              options.point_time,
-             "FIELD:UNIT[:absolute], UNIT s, ms, us, ns; default: as the drivers name it");
+             "FIELD:UNIT[:absolute], UNIT s, ms, us, ns; default: the drivers' names");
   sub.option(
-      "--intensity", options.intensity, "FIELD:MOST; default: intensity:255, of Ouster reflectivity:255");
+      "--intensity", options.intensity, "FIELD:MOST; default: intensity:255, for Ouster reflectivity:255");
   add_run<Ros2Report>(sub, "mcap", command, globals, import_recording, print_ros2);
 }
 

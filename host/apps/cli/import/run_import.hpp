@@ -21,22 +21,22 @@ namespace simuli::cli {
 /// Adds a line on the labels left out, if there are any.
 void add_label_line(const LabelReport& report, std::vector<std::string>& lines);
 
-/// Prints `notes`, the lines on the recorded data, and then the log. The notes of an import are printed to stderr,
-/// those of a survey to stdout; the JSON output holds them as "notes", too.
+/// Prints `notes`, the lines on the recorded data, and then the log. Notes of an import are printed to stderr,
+/// notes of a survey to stdout; the JSON output contains them as "notes", too.
 void print_import(const Log& log, const std::vector<std::string>& notes, bool is_survey, bool json);
 
-/// --output and --survey, which leaves `output` empty once `command` runs; Error{kUsage} then without either.
+/// Adds --output and --survey. With --survey need_output() clears `output`; without either option it throws
+/// Error{kUsage}.
 inline void add_output(Command command, std::filesystem::path& output, bool& is_survey, const char* made) {
-  command.option("-o,--output", output, fmt::format("{} folder to write; required but for --survey", made));
-  command.flag("--survey",
-               is_survey,
-               "print what was recorded and what an import would take and leave out; write nothing");
+  command.option("-o,--output", output, fmt::format("{} folder to write; required without --survey", made));
+  command.flag(
+      "--survey", is_survey, "print the recorded data and which of them an import would use; write nothing");
 }
 void need_output(std::filesystem::path& output, bool is_survey);
 
-/// Adds the options and the run function that all imports share. `run(options, progress, report)` returns the log; with
-/// an empty options.output it returns the log that would be written. `describe(report)` returns lines on the recorded
-/// data that were imported and left out.
+/// Adds the options and the run function that all imports share. `run(options, progress, report)` returns the
+/// log; with an empty options.output it returns the log that would be written. `describe(report)` returns lines
+/// on the data that were imported and left out.
 template <class Report, class Options, class Run, class Describe>
 void add_run(Command command,
              const char* name,
@@ -59,7 +59,7 @@ void add_run(Command command,
   });
 }
 
-/// --frames a:b, and its ends each by itself.
+/// Adds --frames a:b, --first and --last.
 template <class Options>
 void add_frames(Command command, const std::shared_ptr<Options>& options, const char* whose) {
   command
@@ -83,23 +83,23 @@ void add_frames(Command command, const std::shared_ptr<Options>& options, const 
       .excludes("--frames");
 }
 
-/// What became of the points of clouds.
+/// Returns a line with the numbers of points and rays of clouds.
 [[nodiscard]] std::string points_line(const PointReport& report);
-/// "3, 177 to 180"; what is beyond the tenth run is only told to be there.
+/// Returns the numbers as runs: "3, 177 to 180"; runs after the tenth are replaced by "and more".
 [[nodiscard]] std::string runs_text(const std::vector<std::size_t>& numbers);
-/// The two sides of an option "FIRST=REST" or "FIRST:REST"; Error{kUsage} where one is missing.
+/// Splits an option "FIRST=REST" or "FIRST:REST" at `at`; throws Error{kUsage} if a side is empty.
 [[nodiscard]] std::pair<std::string, std::string> parted(const char* option,
                                                          const std::string& text,
                                                          char at,
                                                          const char* first = "TOPIC");
-/// What --lidar names: Error{kUsage} for a camera and for a list of rays.
+/// Returns the LiDAR `name` of --lidar; throws Error{kUsage} for a camera or a ray list.
 [[nodiscard]] Lidar lidar_table(const std::string& name);
 
-/// `import mcap`: recordings of ROS 2.
+/// Adds `import mcap`: recordings of ROS 2.
 void add_import_ros2(Command import, const Globals& globals);
-/// `import pandaset`: sequences of PandaSet.
+/// Adds `import pandaset`: sequences of PandaSet.
 void add_import_pandaset(Command import, const Globals& globals);
-/// `import ncore`: NVIDIA's format of drives.
+/// Adds `import ncore`: sequences of NVIDIA NCore.
 void add_import_ncore(Command import, const Globals& globals);
 
 }  // namespace simuli::cli

@@ -26,15 +26,17 @@ constexpr const char* kAllSensors = "sensors";
 
 struct InfoOptions {
   std::string target;
-  std::string sensor;  // inside the target; empty: the target itself
+  std::string sensor;  // sensor of the target; empty: the target itself
 };
 
-/// False also for a name too long. Error{kInput} in a folder that may not be entered: what is in it nobody knows.
+/// Returns false also for a name that is too long. Throws Error{kInput} for a folder without search
+/// permission.
 bool is_there(const fs::path& path) {
   std::error_code failed;
   const bool found = fs::exists(path, failed);
   if (failed == std::errc::permission_denied)
-    throw_input_error(path.parent_path().string(), "folder", failed.message(), "one that can be entered");
+    throw_input_error(
+        path.parent_path().string(), "folder", failed.message(), "a folder with search permission");
   return found;
 }
 
@@ -42,15 +44,15 @@ void print_any(const SensorFile& file, bool json) {
   std::visit([json](const auto& sensor) { print_sensor(sensor, json); }, file);
 }
 
-/// A sensor's file is JSON: what begins otherwise is another thing that we do not tell of.
+/// Throws Error{kInput} unless the file starts like JSON, the format of sensor files.
 void need_json(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   char first = '{';
   if (in >> first; first == '{') return;
   throw_input_error(file.string(),
                     "file",
-                    "no JSON",
-                    "a sensor's JSON; splats (.ply, .spz, .glb); the folder of a log or a scene");
+                    "other data",
+                    "JSON of a sensor; splats (.ply, .spz, .glb); the folder of a log or a scene");
 }
 
 /// Prints the sensor `name` of a log or a scene.
@@ -65,7 +67,7 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// Prints a sensor by its built-in name, or the list of all.
+/// Prints the built-in sensor `name`, or the list of all for "sensors".
 void print_builtin(const std::string& name, bool json) {
   const std::vector<std::string> cameras = builtin_camera_names();
   const std::vector<std::string> lidars = builtin_lidar_names();
@@ -116,7 +118,7 @@ void info(const InfoOptions& options, bool json) {
     throw_input_error(options.target,
                       "file",
                       "a recording",
-                      "a log made of it by simuli import mcap, which says with --survey what is in it");
+                      "a log made by simuli import mcap, whose option --survey prints the contents");
   }
   if (fs::is_regular_file(target, ignored)) {
     need_json(target);
@@ -129,7 +131,7 @@ void info(const InfoOptions& options, bool json) {
 
 void add_info(Command app, const Globals& globals) {
   const auto options = std::make_shared<InfoOptions>();
-  Command command = app.command("info", "what a log, a scene, splats or a sensor consist of");
+  Command command = app.command("info", "print the contents of a log, a scene, splats or a sensor");
   command
       .option(
           "TARGET",
@@ -143,7 +145,7 @@ void add_info(Command app, const Globals& globals) {
         names.emplace_back(kAllSensors);
         return names;
       });
-  command.option("SENSOR", options->sensor, "name of one sensor in that log or scene");
+  command.option("SENSOR", options->sensor, "name of a sensor of the log or scene");
   command.run([options, &globals] { info(*options, globals.json); });
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// What a log, a scene or a sensor consists of, as text for people or as JSON with units in the key names.
+// Prints the contents of logs, scenes and sensors as text or as JSON with units in the key names.
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -15,49 +15,49 @@ namespace simuli::cli {
 [[nodiscard]] nlohmann::ordered_json log_json(const Log& log);
 /// Prints to stdout.
 void print_log(const Log& log, bool json);
-/// The particles of a file that other programs read, too.
+/// Prints the particles of a splat file.
 void print_splats(const std::filesystem::path& file, bool json);
 void print_scene(const SceneFile& scene, bool json);
 void print_sensor(const CameraFile& camera, bool json);
 void print_sensor(const LidarFile& lidar, bool json);
 
-/// All built-in sensors, one line each.
+/// Prints all built-in sensors, one line each.
 void print_sensor_names(const std::vector<std::string>& cameras,
                         const std::vector<std::string>& lidars,
                         bool json);
 
-/// One line of a list of sensors, without its end.
+/// Returns one line of a list of sensors, without a line end.
 [[nodiscard]] std::string lidar_line(const LidarModel& lidar);
 [[nodiscard]] std::string camera_line(const Camera& camera);
-/// The same for programs: no rows and no rays.
+/// Returns the same as JSON, without beams and rays.
 [[nodiscard]] nlohmann::ordered_json lidar_summary(const LidarModel& lidar);
 [[nodiscard]] nlohmann::ordered_json camera_summary(const Camera& camera);
 
-/// Of a set of particles, for programs and as one line for people.
+/// Returns a summary of a particle set as JSON or as one line.
 [[nodiscard]] nlohmann::ordered_json set_json(const GaussianSet& set);
 [[nodiscard]] std::string set_text(const char* name, const GaussianSet& set);
 
-/// When a sensor recorded.
+/// Times of the recordings of a sensor.
 struct Recorded {
   std::size_t frames = 0;
-  double start_s = 0.0, end_s = 0.0;  // of the first and the last frame; without frames 0
-  double rate_hz = 0.0;               // of the median step; below two frames 0
+  double start_s = 0.0, end_s = 0.0;  // of the first and the last frame; 0 without frames
+  double rate_hz = 0.0;               // from the median step; 0 with fewer than two frames
 };
 [[nodiscard]] Recorded recorded_of(const std::vector<FrameSpan>& spans);
 
-/// The nearest that an actor's centre comes to the rig; `is_met` is false where no time has both.
+/// Closest distance of an actor's centre to the rig; `is_found` is false if they share no time.
 struct Approach {
-  bool is_met = false;
+  bool is_found = false;
   double distance_m = 0.0, time_s = 0.0;
 };
 [[nodiscard]] Approach nearest_approach(const Actor& actor, const Trajectory& world_from_rig);
 
-/// Pictures and sweeps of a log while the actor is there.
+/// Numbers of pictures and sweeps of a log during the actor's track.
 struct ActorFrames {
   std::size_t images = 0, sweeps = 0;
 };
 [[nodiscard]] ActorFrames frames_with(const Actor& actor, const Log& log);
-/// Where its numbers come from: a line each, of what is known.
+/// Returns the known origins of a sensor's numbers, one line each.
 [[nodiscard]] std::string origin_text(const std::string& source,
                                       const std::string& licence,
                                       const std::string& note);

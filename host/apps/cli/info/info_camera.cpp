@@ -17,7 +17,7 @@ constexpr double kDegPerRadian = 180.0 / std::numbers::pi;
 std::string camera_line(const Camera& c) {
   const ViewAngle angle = view_angle(c);
   return fmt::format(
-      "camera {:<16} {}, {} x {} px, sees {:.1f} x {:.1f} deg, focal {:.1f} x {:.1f} px, shutter {}",
+      "camera {:<16} {}, {} x {} px, view {:.1f} x {:.1f} deg, focal {:.1f} x {:.1f} px, shutter {}",
       c.name,
       simuli::to_string(c.lens.kind()),
       c.width,

@@ -47,7 +47,7 @@ Json sensors_json(const SensorRig& rig) {
   return sensors;
 }
 
-/// As `simuli render --mount` takes it, to a micrometre.
+/// Returns the mounting in the format of `simuli render --mount`, rounded to a micrometre.
 std::string mount_line(const Mounting& m) {
   const auto rounded = [](double value) { return std::round(value * 1e6) / 1e6 + 0.0; };  // no -0
   return fmt::format("mounted at {},{},{},{},{},{} (m, deg)",
@@ -64,7 +64,7 @@ std::string recorded_text(const std::string& sensor, const FrameSpans& spans) {
   if (found == spans.end()) return {};
   const Recorded recorded = recorded_of(found->second);
   const std::string rate =
-      recorded.rate_hz > 0.0 ? fmt::format(", {:.1f} a second", recorded.rate_hz) : std::string();
+      recorded.rate_hz > 0.0 ? fmt::format(", {:.1f} per second", recorded.rate_hz) : std::string();
   return fmt::format("    {}{}, {:.2f} to {:.2f} s\n",
                      counted(recorded.frames, "frame"),
                      rate,
@@ -103,7 +103,7 @@ Json recorded_json(const FrameSpans& spans) {
   return all;
 }
 
-/// `log` is null for those of a scene, which has no frames.
+/// `log` is null for actors of a scene, which has no frames.
 Json actors_json(const std::vector<Actor>& actors, const Trajectory& path, const Log* log) {
   Json all = Json::array();
   for (const Actor& actor : actors) {
@@ -116,8 +116,8 @@ Json actors_json(const std::vector<Actor>& actors, const Trajectory& path, const
                 {"poses", actor.track.size()},
                 {"travel_m", actor.travel_m()},
                 {"rigid", actor.deformation.empty()},
-                {"nearest_m", nearest.is_met ? Json(nearest.distance_m) : Json()},
-                {"nearest_s", nearest.is_met ? Json(nearest.time_s) : Json()}};
+                {"nearest_m", nearest.is_found ? Json(nearest.distance_m) : Json()},
+                {"nearest_s", nearest.is_found ? Json(nearest.time_s) : Json()}};
     if (log != nullptr) {
       const ActorFrames frames = frames_with(actor, *log);
       one["images"] = frames.images;
@@ -143,10 +143,10 @@ std::string actors_text(const std::vector<Actor>& actors, const Trajectory& path
       const ActorFrames frames = frames_with(actor, *log);
       text += fmt::format(" ({}, {})", counted(frames.images, "image"), counted(frames.sweeps, "sweep"));
     }
-    text += fmt::format(", gets {:.1f} m far", actor.travel_m());
+    text += fmt::format(", travels {:.1f} m", actor.travel_m());
     if (!actor.deformation.empty()) text += ", not rigid";
     const Approach nearest = nearest_approach(actor, path);
-    if (nearest.is_met) {
+    if (nearest.is_found) {
       text += fmt::format(", nearest {:.1f} m at {:.2f} s", nearest.distance_m, nearest.time_s);
     }
     text += '\n';
@@ -175,9 +175,8 @@ std::string visibility_sets_text(const Scene& scene) {
   std::size_t particles = 0;
   for (std::size_t i = 0; i < scene.visibility_sets.size(); ++i)
     particles += particles_of(scene, number_of_visibility_set(scene, i));
-  return fmt::format("  {} stretches of the path, each with what cameras see from it: {} particles\n",
-                     scene.visibility_sets.size(),
-                     particles);
+  return fmt::format(
+      "  {} visibility sets of chunks: {} particles\n", scene.visibility_sets.size(), particles);
 }
 
 Json occluders_json(const Scene& scene) {
@@ -197,7 +196,7 @@ std::string occluders_text(const Scene& scene) {
   std::string text;
   const std::vector<Occluder> occluders = occluders_of(scene);
   for (std::size_t i = 0; i < occluders.size(); ++i) {
-    text += fmt::format("  where {} was recorded: {} particles behind it, {} others once it is moved away\n",
+    text += fmt::format("  occluder {}: {} disoccluded particles, {} inpainted particles\n",
                         occluders[i].actor->name,
                         particles_of(scene, disoccluded_number(scene, i)),
                         particles_of(scene, inpainted_number(scene, i)));
@@ -205,7 +204,7 @@ std::string occluders_text(const Scene& scene) {
   return text;
 }
 
-/// By camera the share of its pictures that masks hide.
+/// Returns the share hidden by masks of each camera's pictures.
 Json hidden_json(const Log& log) {
   Json shares = Json::object();
   for (const auto& [camera, mask] : log.hidden) shares[camera] = mask->hidden_share();
@@ -273,7 +272,7 @@ void print_scene(const SceneFile& file, bool json) {
   }
   std::cout << fmt::format("scene {}\n", scene.name) << set_text("camera", scene.camera)
             << set_text("lidar", scene.lidar)
-            << fmt::format("  pixels widen the camera set by {:.4f} px2\n", scene.camera_filter_px2)
+            << fmt::format("  camera filter {:.4f} px2\n", scene.camera_filter_px2)
             << trajectory_text(file.world_from_rig)
             << sensors_text(file.cameras, file.lidars, file.recorded_frames)
             << actors_text(scene.actors, file.world_from_rig, nullptr) << visibility_sets_text(scene)

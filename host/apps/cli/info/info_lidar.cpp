@@ -38,7 +38,7 @@ std::string to_text(const Extremes& span, double scale, int digits) {
   return fmt::format("{:.{}f} to {:.{}f}", span.low * scale, digits, span.high * scale, digits);
 }
 
-/// Empty where all are zero.
+/// Returns "" if all values are zero.
 std::string offsets_text(const std::vector<LidarRow>& rows,
                          double LidarRow::*field,
                          const char* name,
@@ -71,7 +71,7 @@ std::string azimuth_text(const Lidar& lidar) {
   return fmt::format("  azimuth from {:.3f} deg over {:.3f} deg ({}), steps of {:.4f} deg\n",
                      lidar.azimuth_first * kDegPerRad,
                      lidar.azimuth_span * kDegPerRad,
-                     full ? "a full turn" : "a partial field of view",
+                     full ? "a full revolution" : "a partial field of view",
                      step * kDegPerRad);
 }
 
@@ -95,14 +95,14 @@ std::string facts_text(const LidarFacts& facts) {
     for (const LidarMode& mode : facts.modes) {
       modes.push_back(fmt::format("{}x{}", mode.columns, mode.spin_hz));
     }
-    text += fmt::format("  modes (columns x turns per second) {}\n", fmt::join(modes, ", "));
+    text += fmt::format("  modes (columns x revolutions per second) {}\n", fmt::join(modes, ", "));
   }
   return text + origin_text(facts.source, facts.licence, facts.note);
 }
 
 std::string line_of(const Lidar& lidar) {
   return fmt::format(
-      "lidar  {:<26} {:3} rows x {} columns, elevation {:.2f} to {:.2f} deg, {}, {:.6g} to {:.6g} m",
+      "lidar  {:<26} {:3} beams x {} columns, elevation {:.2f} to {:.2f} deg, {}, {:.6g} to {:.6g} m",
       lidar.name,
       lidar.row_count(),
       lidar.columns,
@@ -123,18 +123,18 @@ std::string line_of(const RayList& list) {
 
 std::string model_text(const Lidar& lidar, const LidarFacts& facts) {
   std::string text = line_of(lidar);
-  if (facts.mode.spin_hz > 0.0) text += fmt::format(", {} turns per second", facts.mode.spin_hz);
+  if (facts.mode.spin_hz > 0.0) text += fmt::format(", {} revolutions per second", facts.mode.spin_hz);
   text += '\n' + elevation_text(lidar) + azimuth_text(lidar);
   const auto add =
       [&](double LidarRow::*field, const char* name, double scale, int digits, const char* unit) {
         text += offsets_text(lidar.rows, field, name, scale, digits, unit);
       };
-  add(&LidarRow::azimuth_offset, "row azimuth offsets", kDegPerRad, 3, "deg");
+  add(&LidarRow::azimuth_offset, "beam azimuth offsets", kDegPerRad, 3, "deg");
   add(&LidarRow::vertical_offset, "beam origins up", 1.0, 4, "m");
   add(&LidarRow::horizontal_offset, "beam origins to the left", 1.0, 4, "m");
   add(&LidarRow::radial_offset, "beam origins outwards", 1.0, 4, "m");
   add(&LidarRow::range_bias, "ranges recorded too long", 1.0, 4, "m");
-  add(&LidarRow::time_offset, "row firing times", 1e6, 2, "us");
+  add(&LidarRow::time_offset, "beam firing times", 1e6, 2, "us");
   const auto slow =
       std::count_if(lidar.rows.begin(), lidar.rows.end(), [](const LidarRow& r) { return r.every > 1; });
   if (slow > 0) {
@@ -142,7 +142,7 @@ std::string model_text(const Lidar& lidar, const LidarFacts& facts) {
     for (int row = 0; row < lidar.row_count(); ++row)
       fired += static_cast<std::size_t>(firings_of(lidar, row));
     text += fmt::format(
-        "  {} rows fire in every second column or fewer: {} of {} rays\n", slow, fired, lidar.ray_count());
+        "  {} beams fire in every second column or fewer: {} of {} rays\n", slow, fired, lidar.ray_count());
   }
   return text + divergence_text(lidar.beam_divergence, lidar.divergence_variance, facts);
 }

@@ -1,4 +1,4 @@
-// What was recorded when, and what was near.
+// Times of recordings and distances of actors.
 #include <algorithm>
 #include <utility>
 
@@ -24,16 +24,16 @@ Recorded recorded_of(const std::vector<FrameSpan>& spans) {
 Approach nearest_approach(const Actor& actor, const Trajectory& world_from_rig) {
   Approach nearest;
   if (world_from_rig.poses().empty()) return nearest;
-  const auto look = [&](double time_s) {
+  const auto visit = [&](double time_s) {
     if (time_s < world_from_rig.start_s() || time_s > world_from_rig.end_s() || !actor.is_there(time_s))
       return;
     const double distance_m = (actor.at(time_s).translation - world_from_rig.at(time_s).translation).norm();
-    if (nearest.is_met && distance_m >= nearest.distance_m) return;
+    if (nearest.is_found && distance_m >= nearest.distance_m) return;
     nearest = {true, distance_m, time_s};
   };
-  // Both move straight between their poses, which stand a fraction of a second apart.
-  for (const KeyPose& key : actor.track) look(key.time_s);
-  for (const TimedPose& pose : world_from_rig.poses()) look(pose.time_s);
+  // Both move linearly between their poses, which are a fraction of a second apart.
+  for (const KeyPose& key : actor.track) visit(key.time_s);
+  for (const TimedPose& pose : world_from_rig.poses()) visit(pose.time_s);
   return nearest;
 }
 

@@ -15,7 +15,7 @@ std::string option_words(const CommandText& command) {
   return words;
 }
 
-/// What stands where no option is: commands, or values of what has its place.
+/// Returns the positional words: commands, or completions of positional values.
 std::string place_words(const CommandText& command) {
   std::vector<std::string> words;
   for (const CommandText& inner : command.commands) words.push_back(inner.name);
@@ -40,7 +40,7 @@ std::string bash_completion(const CommandText& program) {
       if (!option.is_named || option.is_flag) continue;
       std::string pattern;
       for (const std::string& name : option.names) {
-        // The program's own options stand behind every command.
+        // Global options are allowed after every command.
         const std::string at =
             path == program.name ? fmt::format("*{}", quoted(' ' + name)) : quoted(path + ' ' + name);
         pattern += (pattern.empty() ? "" : " | ") + at;
@@ -53,7 +53,7 @@ std::string bash_completion(const CommandText& program) {
       places += words_case(quoted(path), words);
     }
   });
-  std::string many;  // options whose values go on up to the next option
+  std::string many;  // options with several values, up to the next option
   visit_commands(program, [&](const std::string& path, const CommandText& command) {
     for (const OptionText& option : command.options) {
       if (!option.takes_many || !option.is_named) continue;

@@ -6,7 +6,7 @@
 namespace simuli::cli {
 namespace {
 
-/// A line of text: no character of it is a request to the typesetter.
+/// Returns a line of text without requests to the typesetter.
 std::string line_of(const std::string& text) {
   std::string out = text.starts_with('.') || text.starts_with('\'') ? "\\&" : "";
   for (const char c : text) {
@@ -21,7 +21,7 @@ std::string line_of(const std::string& text) {
   return out + '\n';
 }
 
-/// "-o, --output TEXT" and what it means, below each other.
+/// Returns "-o, --output TEXT" and the help below it.
 std::string entry(const OptionText& option) {
   std::string head = fmt::format("{}", fmt::join(option.names, ", "));
   if (!option.is_flag && option.is_named) head += ' ' + option.type + (option.takes_many ? " ..." : "");
@@ -41,7 +41,7 @@ std::string entries(const CommandText& command) {
   return text;
 }
 
-/// How a command is typed.
+/// Returns the usage line of a command.
 std::string usage(const std::string& path, const CommandText& command) {
   std::string text = path;
   if (!command.commands.empty()) return text + " COMMAND ...";
@@ -60,16 +60,18 @@ std::string man_page(const CommandText& program, const std::string& version) {
   std::string text = fmt::format(".TH {} 1 \"\" \"{}\"\n.SH NAME\n", program.name, version);
   text += line_of(program.name + " - " + program.help);
   text += ".SH SYNOPSIS\n" + line_of(usage(program.name, program));
-  text += ".SH OPTIONS\nBefore or behind the name of any command.\n" + entries(program);
-  text += ".TP\n.B \\-\\-help\nof the program, or behind a command's name of that command\n.SH COMMANDS\n";
+  text += ".SH OPTIONS\nBefore or after the name of any command.\n" + entries(program);
+  text +=
+      ".TP\n.B \\-\\-help\nprints the help of the program, or after a command's name the help of the "
+      "command\n.SH COMMANDS\n";
   visit_commands(program, [&](const std::string& path, const CommandText& command) {
     if (path == program.name) return;
     text += ".SS " + line_of(usage(path, command)) + line_of(command.help) + entries(command);
   });
   return text +
          ".SH EXIT STATUS\n0 done, 2 usage, 3 input, 4 device, 5 kernel, 6 numeric, 70 internal;\n"
-         "75 interrupted, with a checkpoint to go on from.\n"
-         "Errors are one line on stderr: file or option, field, what was found, what is allowed.\n";
+         "75 interrupted after a checkpoint was written.\n"
+         "Errors are one line on stderr: file or option, field, found value, allowed value.\n";
 }
 
 }  // namespace simuli::cli

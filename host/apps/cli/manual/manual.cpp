@@ -26,16 +26,17 @@ void visit_commands(const CommandText& program,
 
 void add_completion(CommandLine& line) {
   const auto shell = std::make_shared<std::string>();
-  const Command completion = line.root().command("completion", "a script that completes commands in bash");
-  completion.option("SHELL", *shell, "which shell is to read it").required().one_of({"bash"});
-  completion.run([shell, &line] {  // which the option sets
+  const Command completion =
+      line.root().command("completion", "print a script that completes commands in bash");
+  completion.option("SHELL", *shell, "shell of the script").required().one_of({"bash"});
+  completion.run([shell, &line] {  // the option sets the value
     std::cout << bash_completion(line.text());
   });
 }
 
 void add_manual(CommandLine& line) {
   line.root()
-      .command("manual", "all commands and options as a manual page: simuli manual | man -l -")
+      .command("manual", "print all commands and options as a manual page: simuli manual | man -l -")
       .run([&line] { std::cout << man_page(line.text(), fmt::format("simuli {}", version())); });
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The program's commands and options as bash and man read them, from the descriptions that make the help.
+// Generates bash completion and the man page from the descriptions of the commands.
 #include <functional>
 #include <string>
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace simuli::cli {
 
-/// A script that completes the program's name, commands, options and values, for bash to read.
+/// Returns a bash script that completes the program's name, commands, options and values.
 [[nodiscard]] std::string bash_completion(const CommandText& program);
-/// Section 1, in the macros of man(7); `version` as --version tells it.
+/// Returns a page of section 1 with the macros of man(7); `version` as printed by --version.
 [[nodiscard]] std::string man_page(const CommandText& program, const std::string& version);
 
-/// Calls `visit("program command ...", command)` of the program and of each command, outer ones first.
+/// Calls `visit("program command ...", command)` for the program and each command, parents first.
 void visit_commands(const CommandText& program,
                     const std::function<void(const std::string& path, const CommandText& command)>& visit);
 

@@ -1,11 +1,11 @@
-// The server for simulators, in a build without gRPC.
+// Command serve of a build without gRPC.
 #include "host/apps/cli/base/commands.hpp"
 #include "host/core/base/error.hpp"
 
 namespace simuli::cli {
 
 void add_serve(Command app, const Globals& /*globals*/) {
-  const Command command = app.command("serve", "scenes for simulators, by gRPC (not in this build)");
+  const Command command = app.command("serve", "render scenes for simulators by gRPC (not in this build)");
   command.take_anything();
   command.run([] {
     throw Error(ErrorKind::kUsage,

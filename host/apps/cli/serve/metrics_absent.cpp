@@ -1,4 +1,4 @@
-// Numbers for Prometheus, in a build without the viewer's HTTP server.
+// Metrics server of a build without the viewer's HTTP server.
 #include "host/apps/cli/serve/metrics_server.hpp"
 #include "host/core/base/error.hpp"
 

@@ -18,12 +18,12 @@ MetricsServer::MetricsServer(const std::string& host, int port, std::function<st
   server.set_default_headers({{"Cache-Control", "no-store"}, {"X-Content-Type-Options", "nosniff"}});
   server.set_pre_routing_handler(
       [loopback = is_loopback(host)](const httplib::Request& request, httplib::Response& response) {
-        // A page of another site whose name has been pointed here must not read along.
+        // Prevents DNS rebinding: a page of another site could use a host name with this address.
         if (!loopback || is_loopback(host_of_header(request.get_header_value("Host")))) {
           return httplib::Server::HandlerResponse::Unhandled;
         }
         response.status = 403;
-        response.set_content("not a name of this machine", "text/plain");
+        response.set_content("not the name of this machine", "text/plain");
         return httplib::Server::HandlerResponse::Handled;
       });
   server.Get("/metrics", [text = std::move(text)](const httplib::Request&, httplib::Response& response) {

@@ -1,22 +1,23 @@
 #pragma once
-// Numbers for Prometheus, by HTTP.
+// HTTP server of metrics for Prometheus.
 #include <functional>
 #include <memory>
 #include <string>
 
 namespace simuli::cli {
 
-/// Answers GET /metrics from threads of its own until it is destroyed.
+/// Answers GET /metrics in its own threads until destruction.
 class MetricsServer {
  public:
-  /// `port` 0: any free one. `text` is asked from any thread, and outlives this. Error{kUsage} for an address
-  /// that can't be bound, and in a build without the viewer, whose HTTP server it is.
+  /// `port` 0 selects a free port. `text` is called from any thread and must outlive this object. Throws
+  /// Error{kUsage} for an address that cannot be bound, and in a build without the viewer, which contains the
+  /// HTTP server.
   MetricsServer(const std::string& host, int port, std::function<std::string()> text);
   MetricsServer(const MetricsServer&) = delete;
   MetricsServer& operator=(const MetricsServer&) = delete;
   ~MetricsServer();
 
-  /// "http://127.0.0.1:9464/metrics".
+  /// Returns "http://127.0.0.1:9464/metrics".
   [[nodiscard]] std::string url() const;
 
  private:

@@ -1,4 +1,4 @@
-// simuli serve: scenes for simulators.
+// Command simuli serve: renders scenes for simulators.
 #include <chrono>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -30,7 +30,7 @@ struct ServeCommand {
   bool allows_edits = false;
   int cache_size = 4;
   int max_workers = 4;
-  int metrics_port = -1;  // none
+  int metrics_port = -1;  // -1: no metrics server
   double drain_s = 60.0;
   std::string ego_masks;
   std::vector<std::string> settings;
@@ -46,8 +46,8 @@ void need_safe(const ServeCommand& command) {
                   host));
 }
 
-/// glibc gives each of many threads an arena of its own, and what rays that are kept leave between them is
-/// lost: 2.7 GB after 5000 cameras, 0.8 GB with two arenas.
+/// glibc creates an arena for each of many threads, and cached rays fragment the arenas; two arenas keep the
+/// memory small.
 void allocate_from_few_arenas() {
 #ifdef __GLIBC__
   static_cast<void>(mallopt(M_ARENA_MAX, 2));
@@ -67,7 +67,8 @@ void serve_scenes(const ServeCommand& command, const Globals& globals) {
   const serve::EgoMasks ego_masks =
       command.ego_masks.empty() ? serve::EgoMasks() : serve::EgoMasks(command.ego_masks);
   serve::RenderSession session(of_session);
-  // Who is told where to ask finds what fits in memory there, and scenes that can't be read are told here.
+  // Reads as many scenes as fit in memory before the address is printed, so that read errors end the program
+  // here.
   const std::size_t first = std::min(session.sources().size(), session.cache_size());
   for (std::size_t i = first; i-- > 0;) session.read_now(session.sources()[i].id);
   serve::HandlerOptions of_handlers;
@@ -78,22 +79,22 @@ void serve_scenes(const ServeCommand& command, const Globals& globals) {
   const serve::Handlers handlers(session, ego_masks, globals.commit, of_handlers);
   serve::ServerOptions of_server = command.server;
   of_server.max_workers = static_cast<std::size_t>(command.max_workers);
-  const InterruptionPoint interruption("what was begun is finished; a second signal ends it");
+  const InterruptionPoint interruption("running requests are finished; a second signal ends the server");
   serve::Server server(handlers, of_server);
   std::optional<MetricsServer> metrics;
   if (command.metrics_port >= 0) {
-    // Plain text: on the network by --insecure alone, and never beside TLS.
+    // HTTP is unencrypted: the network requires --insecure, and TLS restricts metrics to loopback.
     const std::string& host = command.server.host;
     const bool is_plain = command.is_insecure && command.server.tls_certificate.empty();
     metrics.emplace(is_loopback(host) || is_plain ? host : "127.0.0.1", command.metrics_port, [&server] {
       return server.metrics();
     });
   }
-  std::cout << server.address() << std::endl;  // at once: somebody waits for it
+  std::cout << server.address() << std::endl;  // flushed, because callers wait for the address
   if (metrics) std::cout << metrics->url() << std::endl;
-  constexpr std::chrono::milliseconds kLookAgain{50};
+  constexpr std::chrono::milliseconds kPollInterval{50};
   while (!interruption.is_asked_for() && !server.is_shut_down_asked_for())
-    std::this_thread::sleep_for(kLookAgain);
+    std::this_thread::sleep_for(kPollInterval);
   server.drain(std::chrono::milliseconds(static_cast<std::int64_t>(command.drain_s * 1e3)));
 }
 
@@ -101,18 +102,20 @@ void serve_scenes(const ServeCommand& command, const Globals& globals) {
 
 void add_serve(Command app, const Globals& globals) {
   const auto command = std::make_shared<ServeCommand>();
-  Command sub = app.command("serve", "scenes for simulators, by gRPC, until Ctrl-C or SIGTERM");
-  sub.option(
-         "SCENE", command->scenes, "scene folders or splats, or ID=PATH where an ID is not the folder's name")
+  Command sub = app.command("serve", "render scenes for simulators by gRPC, until Ctrl-C or SIGTERM");
+  sub.option("SCENE",
+             command->scenes,
+             "scene folders or splats, or ID=PATH for another ID than the folder's name")
       .required();
-  sub.option(
-         "--host", command->server.host, "address to listen on; others than loopback need TLS, or --insecure")
+  sub.option("--host",
+             command->server.host,
+             "address to listen on; addresses other than loopback need TLS or --insecure")
       .with_default();
-  sub.option("--port", command->server.port, "0: any free one").range(0, 65535).with_default();
-  sub.option("--cache-size", command->cache_size, "scenes in memory: those used last")
+  sub.option("--port", command->server.port, "port; 0: any free port").range(0, 65535).with_default();
+  sub.option("--cache-size", command->cache_size, "maximum number of scenes in memory")
       .range(1, 10000)
       .with_default();
-  sub.option("--max-workers", command->max_workers, "requests that are worked on at once; others wait")
+  sub.option("--max-workers", command->max_workers, "maximum number of concurrent requests; others wait")
       .range(1, 1000)
       .with_default();
   sub.option("--metrics-port",
@@ -122,20 +125,20 @@ void add_serve(Command app, const Globals& globals) {
       .range(0, 65535);
   sub.option("--egocar-hood-dir",
              command->ego_masks,
-             "pictures of the own vehicle, with alpha: RIG/CAMERA.png, laid over where requests ask for it");
+             "pictures of the ego vehicle with alpha: RIG/CAMERA.png, drawn over renders on request");
   sub.flag("--enable-editing-actors",
            command->allows_edits,
-           "clients may replace and insert actors, for everybody, by edit_assets");
-  sub.flag("--allow-shut-down", command->server.allows_shut_down, "clients may end the server, by shut_down");
-  sub.option("--drain", command->drain_s, "s, that requests have to be finished after a signal")
+           "clients may replace and insert actors for all clients with edit_assets");
+  sub.flag(
+      "--allow-shut-down", command->server.allows_shut_down, "clients may end the server with shut_down");
+  sub.option("--drain", command->drain_s, "time in s to finish requests after a signal")
       .range(0.0, 3600.0)
       .with_default();
   sub.option("--tls-cert", command->server.tls_certificate, "PEM file, with --tls-key");
   sub.option("--tls-key", command->server.tls_key, "PEM file");
-  sub.option("--tls-clients",
-             command->server.tls_clients,
-             "PEM file of authorities that clients' certificates are of");
-  sub.flag("--insecure", command->is_insecure, "another --host without TLS");
+  sub.option(
+      "--tls-clients", command->server.tls_clients, "PEM file of the authorities of clients' certificates");
+  sub.flag("--insecure", command->is_insecure, "allow a --host other than loopback without TLS");
   const auto options = std::make_shared<RenderOptions>();
   const auto fields = [options, &globals] {
     *options = options_of(globals.quality);

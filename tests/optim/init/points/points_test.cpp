@@ -17,7 +17,7 @@ namespace {
 
 using test::point_set;
 
-constexpr double kMicrometre_m = 1e-6;  // what the voxel sums keep
+constexpr double kMicrometre_m = 1e-6;  // resolution of the voxel sums
 // Positions of 10 m in float32, and the square roots of their differences.
 constexpr float kFloat_m = 1e-5F;
 
@@ -45,7 +45,7 @@ PointSet voxelise(const std::vector<Point>& points, double voxel_m) {
 TEST(VoxelGrid, AveragesPerVoxelAlsoBelowZero) {
   const PointSet set = voxelise({{{0.01, 0.02, 0.03}, 0.2},
                                  {{0.05, 0.06, 0.09}, 0.4},
-                                 {{-0.01, 0.02, 0.03}, 1.0},  // the voxel next to it, not the same
+                                 {{-0.01, 0.02, 0.03}, 1.0},  // the neighbouring voxel
                                  {{5.0, -7.05, 0.0}, 0.3}},
                                 0.1);
   ASSERT_EQ(set.size(), 3U);
@@ -93,7 +93,7 @@ TEST(Thin, KeepsExactlyTheLimitSpreadOverAll) {
   for (std::uint32_t tenth = 0; tenth < 10; ++tenth) {
     const auto in_tenth =
         std::count_if(kept.begin(), kept.end(), [&](std::uint32_t i) { return i / 10000 == tenth; });
-    // 1000 +- 30 is one standard deviation of an even choice.
+    // The standard deviation of a uniform choice is 30.
     EXPECT_NEAR(static_cast<double>(in_tenth), 1000.0, 150.0) << tenth;
   }
   EXPECT_EQ(thin(100000, 10000, 1), kept);
@@ -121,7 +121,7 @@ TEST(LocalShapes, FindTheNormalOfATiltedPlane) {
   const std::vector<LocalShape> shapes = local_shapes(point_set(positions));
   ASSERT_EQ(shapes.size(), positions.size());
   for (const LocalShape& shape : shapes) {
-    ASSERT_NEAR(shape.spacing_m, 0.1F, 0.02F);  // at a corner the third neighbour is the diagonal one
+    ASSERT_NEAR(shape.spacing_m, 0.1F, 0.02F);  // at a corner the third neighbour is diagonal
     ASSERT_TRUE(shape.planar);
     ASSERT_GT(std::abs((shape.scene_from_local * Eigen::Vector3f::UnitZ()).dot(normal)), 0.9999F);
     ASSERT_NEAR(shape.scene_from_local.norm(), 1.0F, 1e-5F);
@@ -151,7 +151,7 @@ TEST(LocalShapes, FewPointsAreOrdinaryInput) {
   const std::vector<LocalShape> two = local_shapes(point_set({{0, 0, 0}, {0, 3, 4}}));
   EXPECT_NEAR(two[0].spacing_m, 5.0F, kFloat_m);
   EXPECT_FALSE(two[0].planar);
-  // Coincident points have no plane and no spacing, but nothing that is not a number either.
+  // Coincident points have no plane and no spacing, but finite values.
   for (const LocalShape& shape : local_shapes(point_set(std::vector<Eigen::Vector3f>(20, {1, 1, 1})))) {
     EXPECT_EQ(shape.spacing_m, 0.0F);
     EXPECT_FALSE(shape.planar);

@@ -1,5 +1,5 @@
 #pragma once
-// Points as sweeps leave them: a patch of a surface, met by rays of known steps.
+// Points of sweeps: a patch of a surface, hit by rays with known steps.
 #include <Eigen/Core>
 #include <cmath>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace simuli::test {
 
-/// A sensor at `eye` with rays every column_rad around and row_rad up and down, as it sees p.
+/// Returns the sight of p from a sensor at `eye` with steps of column_rad and row_rad.
 inline Sight sight_of(const Eigen::Vector3d& eye,
                       const Eigen::Vector3d& p,
                       double column_rad,
@@ -35,7 +35,8 @@ struct SampledSurface {
     points.intensity.push_back(static_cast<float>(intensity));
     points.sight.push_back(sight_of(eye, p, column_rad, row_rad));
   }
-  /// A point in the middle of each voxel of a wall x = x_m: y0 <= y < y1, z0 <= z < z1, every `rows` voxels.
+  /// Adds a point in the centre of each voxel of a wall x = x_m: y0 <= y < y1, z0 <= z < z1, every `rows`
+  /// voxels.
   void add_wall(
       double x_m, double y0, double y1, double z0, double z1, double intensity = 0.5, int rows = 1) {
     const auto voxels = [&](double m) { return static_cast<int>(std::lround(m / voxel_m)); };

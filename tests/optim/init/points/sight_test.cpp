@@ -34,7 +34,7 @@ TEST(Sight, StepsAreThoseFromRayToRay) {
 }
 
 TEST(Sight, StepsOnAPlaneLieInItWhereTheNextRaysMeetIt) {
-  // Grazing ground: a beam 1 degree higher meets it farther away.
+  // Grazing ground: a beam 1 degree higher hits it farther away.
   const double below = -10.0 * std::numbers::pi / 180.0, step = 0.1 * std::numbers::pi / 180.0;
   const Eigen::Vector3f ground = Eigen::Vector3f::UnitZ();
   const double height = 1.7;

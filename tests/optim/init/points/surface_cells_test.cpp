@@ -61,7 +61,7 @@ TEST(SurfaceCells, WithoutSightsNothingGrowsByRange) {
   wall.add_wall(41.05, -1.6, 1.6, -1.6, 1.6);
   wall.points.sight.clear();
   EXPECT_EQ(surface_cells(wall.points, kFar).size(), 1024U);
-  EXPECT_EQ(widest_m(surface_cells(wall.points, kFlat)), 0.8F);  // but what is flat is flat
+  EXPECT_EQ(widest_m(surface_cells(wall.points, kFlat)), 0.8F);  // flat surfaces have larger cells
 }
 
 TEST(SurfaceCells, OfAFlatAlikeWallAreLargeInItsMiddleAndSmallAtItsRim) {
@@ -73,7 +73,7 @@ TEST(SurfaceCells, OfAFlatAlikeWallAreLargeInItsMiddleAndSmallAtItsRim) {
   std::size_t largest = 0;
   for (const SurfaceCell& c : cells) {
     EXPECT_NEAR(c.mean.x(), 4.05F, 1e-5F);
-    // The particle that is made of it reaches no farther than the wall does.
+    // Its particle does not extend beyond the wall.
     if (c.side_m > 0.15F) {
       EXPECT_LE(c.mean.tail<2>().cwiseAbs().maxCoeff() + 0.6F * c.side_m, 1.6F);
     }
@@ -122,20 +122,20 @@ TEST(SurfaceCells, LeavePolesFencesAndRimsAsTheyAre) {
   SampledSurface pole;
   for (int j = 0; j < 40; ++j) pole.add({4.05, 0.05, 0.1 * j + 0.05});
   EXPECT_EQ(surface_cells(pole.points, kFlat).size(), 40U);
-  // A third of a plane: rays go through where the other two thirds would be.
+  // A third of a plane: rays pass through the other two thirds.
   SampledSurface fence;
   for (int i = 0; i < 24; ++i) {
     for (int j = i % 3; j < 24; j += 3) fence.add({4.05, 0.1 * i + 0.05, 0.1 * j + 0.05});
   }
   EXPECT_EQ(widest_m(surface_cells(fence.points, kFlat)), 0.1F);
-  // A strip of one voxel along a cell's side doesn't stand for the whole cell.
+  // A strip of one voxel along a cell's side does not represent the complete cell.
   SampledSurface strip;
   strip.add_wall(4.05, 0.0, 1.6, 0.0, 0.1);
   EXPECT_EQ(surface_cells(strip.points, kFlat).size(), 16U);
 }
 
 TEST(SurfaceCells, TakeTheGapsThatTheSensorLeavesForCovered) {
-  // A row every 0.3 m: as dense as rows of 0.06 rad are at 5 m, and holes to a sensor with more rows.
+  // A row every 0.3 m: the density of beams of 0.06 rad at 5 m, but holes for a sensor with more beams.
   SampledSurface sparse;
   sparse.row_rad = 0.06;
   sparse.add_wall(5.05, -1.6, 1.6, -1.6, 1.6, 0.5, 3);

@@ -14,7 +14,7 @@ using test::SampledSurface;
 constexpr ShapeOptions kShape{};
 constexpr CellOptions kEachPoint{};
 
-/// Standard deviation along a direction of the scene, m.
+/// Returns the standard deviation along a direction of the scene, m.
 float along(const SurfaceShape& shape, const Vector3f& direction) {
   const Vector3f local = shape.scene_from_local.conjugate() * direction;
   return local.cwiseProduct(shape.scale_m).norm();
@@ -44,7 +44,7 @@ TEST(SurfaceShapes, OfADenseWallAreFlatAndAsWideAsTheirVoxels) {
 }
 
 TEST(SurfaceShapes, ReachFromRowToRowAndNotFromColumnToColumn) {
-  // Rows 0.4 m apart, as 0.08 rad leave them at 5 m; columns a voxel.
+  // Beams 0.4 m apart, as for 0.08 rad at 5 m; columns one voxel apart.
   SampledSurface wall;
   wall.row_rad = 0.08;
   wall.add_wall(5.05, -2.0, 2.0, -2.0, 2.0, 0.5, 4);
@@ -59,7 +59,7 @@ TEST(SurfaceShapes, ReachFromRowToRowAndNotFromColumnToColumn) {
 }
 
 TEST(SurfaceShapes, LeaveOpenWhatIsWiderThanASweepLeavesIt) {
-  // Two bands of wall with 1 m of nothing between them, rows every 0.1 m of the two that a sweep has.
+  // Two bands of wall with a gap of 1 m, rows every 0.1 m from the two sights of a sweep.
   SampledSurface bands;
   bands.row_rad = 0.04;
   bands.add_wall(5.05, -2.0, 2.0, 0.0, 1.0);
@@ -73,7 +73,7 @@ TEST(SurfaceShapes, OfAPoleDontReachBesideIt) {
   for (int j = 0; j < 20; ++j) pole.add({5.05, 0.05, 0.2 * j + 0.05});
   const Shaped found = shaped(pole.points);
   for (std::size_t i = 0; i < found.shapes.size(); ++i) {
-    // At its ends, too, no farther than one and a half times what a sweep's rows leave.
+    // Also at its ends at most one and a half times the gap between a sweep's beams.
     const float most_m = static_cast<float>(kShape.scale) * 1.5F * 0.04F * found.cells[i].mean.norm();
     EXPECT_LE(along(found.shapes[i], Vector3f::UnitY()), most_m + 1e-4F);
   }
@@ -101,7 +101,7 @@ TEST(SurfaceShapes, WithoutSightsReachToTheirNeighbours) {
   wall.points.sight.clear();
   const Shaped found = shaped(wall.points);
   for (std::size_t i = 0; i < found.cells.size(); ++i) {
-    // Corners have their third neighbour across.
+    // The third neighbour of corners is diagonal.
     if (found.cells[i].mean.tail<2>().cwiseAbs().minCoeff() > 1.8F) continue;
     EXPECT_NEAR(along(found.shapes[i], Vector3f::UnitY()), 0.15F, 0.01F);
     EXPECT_NEAR(along(found.shapes[i], Vector3f::UnitX()), 0.01F, 1e-4F);

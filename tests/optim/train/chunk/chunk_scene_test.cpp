@@ -1,4 +1,4 @@
-// What a trained chunk keeps, and how chunks become one scene.
+// Tests the particles kept by a trained chunk, and the merging of chunks.
 #include "optim/train/chunk/chunk_scene.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 namespace simuli {
 namespace {
 
-/// 60 m straight on in 6 s.
+/// A straight drive of 60 m in 6 s.
 Log straight_drive() {
   Log log;
   log.name = "straight";
@@ -50,10 +50,10 @@ std::vector<float> places(const GaussianSet& set, std::uint32_t owner) {
 
 class ChunkSceneTest : public testing::Test {
  protected:
-  /// A place of the path, from the scene's origin.
+  /// Returns a position on the trajectory relative to the scene origin.
   [[nodiscard]] double at(double x) const { return x - scene_origin(log_.world_from_rig).x(); }
-  /// Two chunks of 30 m, each with the car, and particles of the background, of the car, and behind and
-  /// instead of what it hides, on either side of the border.
+  /// Returns the scene of a chunk, with two chunks of 30 m: the car, and particles of the background, of the
+  /// car, disoccluded and inpainted, on both sides of the border.
   [[nodiscard]] Scene chunk() const {
     const std::vector<double> x{at(10.0), at(50.0), 0.0, at(20.0), at(40.0), at(21.0), at(41.0)};
     const std::vector<std::uint32_t> owners{0, 0, 1, 2, 2, 3, 3};
@@ -77,7 +77,7 @@ TEST_F(ChunkSceneTest, KeepsAllThatItsCamerasSeeAndItsOwnOfTheLidars) {
   EXPECT_EQ(kept.camera.params, chunk().camera.params);
   EXPECT_EQ(kept.camera.actor, chunk().camera.actor);
   EXPECT_EQ(places(kept.lidar, 0), (std::vector<float>{static_cast<float>(at(10.0))}));
-  EXPECT_EQ(places(kept.lidar, 1).size(), 1U);  // an actor's are somewhere in its frame
+  EXPECT_EQ(places(kept.lidar, 1).size(), 1U);  // actors' particles are in the actor's frame
   EXPECT_EQ(places(kept.lidar, 2), (std::vector<float>{static_cast<float>(at(20.0))}));
   EXPECT_EQ(places(kept.lidar, 3), (std::vector<float>{static_cast<float>(at(21.0))}));
 }
@@ -87,7 +87,7 @@ TEST_F(ChunkSceneTest, BecomeOneWithAVistaEach) {
   std::vector<ChunkScene> parts(2);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     parts[i].scene = owned(chunk(), parting_, i);
-    // As a training that is gone on with finds it.
+    // As read by a resumed training.
     write_chunk(scratch / std::to_string(i), "settings", parts[i]);
     parts[i] = read_chunk(scratch / std::to_string(i), "settings");
     ASSERT_EQ(parts[i].scene.occluders.size(), 1U);
@@ -97,7 +97,7 @@ TEST_F(ChunkSceneTest, BecomeOneWithAVistaEach) {
   const Scene one = merged(2, part, log_.actors, parting_);
   ASSERT_EQ(one.visibility_sets.size(), 2U);
   EXPECT_TRUE(one.occluders.empty());
-  EXPECT_EQ(one.camera.size(), 2 * 6 + 1);  // the car is one chunk's
+  EXPECT_EQ(one.camera.size(), 2 * 6 + 1);  // the car belongs to one chunk
   EXPECT_EQ(one.lidar.size(), 2 * 3 + 1);
   for (std::size_t i = 0; i < 2; ++i) {
     ASSERT_EQ(one.visibility_sets[i].occluders.size(), 1U);
@@ -113,8 +113,8 @@ TEST_F(ChunkSceneTest, BecomeOneWithAVistaEach) {
   EXPECT_EQ(places(one.lidar, 0), places(chunk().lidar, 0));
 }
 
-// The numbers of what occluders hide follow those of the part's own visibility_sets.
-TEST_F(ChunkSceneTest, PartsWithVistasKeepWhatIsHidden) {
+// The numbers of disoccluded and inpainted particles follow those of the part's visibility sets.
+TEST_F(ChunkSceneTest, PartsWithVisibilitySetsKeepHiddenParticles) {
   std::vector<ChunkScene> parts(2);
   for (ChunkScene& part : parts) {
     part.scene.actors = part.scene.occluders = log_.actors;
@@ -130,8 +130,8 @@ TEST_F(ChunkSceneTest, PartsWithVistasKeepWhatIsHidden) {
   }
 }
 
-// A drive is long, and what hides a part of one chunk was recorded near it.
-TEST_F(ChunkSceneTest, OccludersAreKnownNearTheirStretch) {
+// Occluders of one chunk were recorded near it.
+TEST_F(ChunkSceneTest, OccludersAreKeptNearTheirChunk) {
   Log log;
   std::vector<TimedPose> poses;
   for (int k = 0; k <= 600; ++k) {

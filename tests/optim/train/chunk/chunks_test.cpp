@@ -1,4 +1,4 @@
-// A drive that is cut along its path and trained piece by piece.
+// Tests drives that are cut into chunks along their trajectory.
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -26,8 +26,7 @@ namespace fs = std::filesystem;
 constexpr double kLength_m = 60.0;
 constexpr int kFrames = 30;
 
-/// 60 m of the long street with traffic, made once; 30 pictures and 30 sweeps, of which 24 each are trained
-/// on.
+/// 60 m of the long street with traffic, generated once; 30 pictures and 30 sweeps, 24 of each for training.
 class ChunksTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -128,11 +127,11 @@ TEST_F(ChunksTest, HaveTheirOwnTrainingFramesAndThoseOfTheOverlap) {
     EXPECT_LT(taken, beside / 2);
     EXPECT_GT(taken, 0U);
     seen += part.sweeps.size();
-    // The camera looks ahead: what is taken behind the chunk shows nothing of it.
+    // The camera points ahead: pictures after the chunk do not show it.
     for (const ImageFrame& frame : part.images) EXPECT_LE(path.place_at(frame.time_start_s), chunk.to_m);
     EXPECT_EQ(path.place_at(part.images.front().time_start_s) < chunk.from_m, chunk.from_m > 0.0);
   }
-  EXPECT_GT(seen, rule.training(log_.sweeps).size());  // some twice
+  EXPECT_GT(seen, rule.training(log_.sweeps).size());  // some in two chunks
 }
 
 TEST_F(ChunksTest, OneAloneIsTheTrainingAsItWas) {
@@ -155,7 +154,7 @@ TEST_F(ChunksTest, KilledAnywhereTheyGoOnToTheSameScene) {
   EXPECT_EQ(told.back(), 60);
   const Scene expected = undisturbed.scene();
   struct Killed {};
-  // In the first chunk, at its very end, in the second, and twice in the third.
+  // In the first chunk, at its end, in the second, and twice in the third.
   bool begun = false;
   for (const int at : {13, 20, 33, 47, 58, 1000}) {
     Training training(test::device(), log_, options(20.0));
@@ -173,7 +172,7 @@ TEST_F(ChunksTest, KilledAnywhereTheyGoOnToTheSameScene) {
     } catch (const Killed&) {
     }
   }
-  // What is done stays done, and another training's state is refused.
+  // Finished chunks are kept, and the state of another training is rejected.
   Training finished(test::device(), log_, options(20.0));
   finished.resume(file);
   expect_same(finished.scene(), expected);
@@ -185,7 +184,7 @@ TEST_F(ChunksTest, KilledAnywhereTheyGoOnToTheSameScene) {
   expect_error(ErrorKind::kInput, "settings", [&] { uncut.resume(file); });
 }
 
-/// Mean PSNR of the held-out pictures that `is_of` takes.
+/// Returns the mean PSNR of the held-out pictures that satisfy `is_of`.
 template <class F>
 double psnr_db(const EvalReport& report, F&& is_of) {
   double sum = 0.0, count = 0.0;
@@ -205,7 +204,7 @@ TEST_F(ChunksTest, LeaveNoSeam) {
     particles = static_cast<std::size_t>(scene.scene.lidar.size());
     return Evaluation(test::device(), std::move(scene), log_, EvalOptions{}).run();
   };
-  // As many iterations for each chunk as for the whole: densification counts them.
+  // The same number of iterations for each chunk as for the complete drive: densification depends on it.
   std::size_t whole_particles = 0, particles = 0;
   const EvalReport whole = report_of(options(0.0, 100), whole_particles);
   const EvalReport parts = report_of(options(20.0, 300), particles);
@@ -221,8 +220,8 @@ TEST_F(ChunksTest, LeaveNoSeam) {
   EXPECT_LT(lost_at_seams_db, 0.7);
   EXPECT_LT(parts.lidar.distance_median_m, whole.lidar.distance_median_m + 0.005);
   EXPECT_GT(parts.lidar.raydrop_accuracy, whole.lidar.raydrop_accuracy - 0.02);
-  // Each place once: neither holes nor doubles. Some are told by sweeps from beside alone, not all of which a
-  // chunk has: of those as short as these that is a tenth.
+  // Each position is covered once, without holes and duplicates. Some positions are only measured by distant
+  // sweeps that a chunk does not have: a tenth for chunks as short as these.
   EXPECT_NEAR(static_cast<double>(particles),
               static_cast<double>(whole_particles),
               0.15 * static_cast<double>(whole_particles));
@@ -251,12 +250,12 @@ TEST_F(ChunksTest, AnActorIsOneAndItsTrackHasNoJump) {
     scene.camera.actor.assign(static_cast<std::size_t>(particles[i]), 1U);
     scene.camera.actor.resize(static_cast<std::size_t>(particles[i]) + 2, 0U);
     scene.camera.params.setConstant(static_cast<float>(i));
-    // Two of the background: all stay, also where several have some.
+    // Two background particles: all remain, also if several chunks have some.
     const Eigen::Index last = scene.camera.size() - 1;
     scene.camera.mean().row(last) = Eigen::RowVector3f(500.0F, 0.0F, 1.0F);
     scene.camera.mean().row(last - 1) = Eigen::RowVector3f(0.0F, 490.0F, 100.0F * static_cast<float>(i));
     scene.actors = {actor};
-    // Each chunk has another place of the car for its middle, which it could not know.
+    // Each chunk places the car differently in its unobserved part.
     for (KeyPose& key : scene.actors[0].track) {
       const Eigen::Vector3d shift(0.1 * static_cast<double>(i), -0.05 * static_cast<double>(i), 0.0);
       key.shift_m = key.world_from_actor.rotation * shift;
@@ -271,7 +270,7 @@ TEST_F(ChunksTest, AnActorIsOneAndItsTrackHasNoJump) {
   EXPECT_EQ(read, (std::vector<std::size_t>{0, 1, 2, 0, 1, 2}));  // one after the other, twice
   ASSERT_EQ(one.actors.size(), 1U);
   EXPECT_EQ(std::count(one.camera.actor.begin(), one.camera.actor.end(), 1U), 7);
-  // What cameras see of the background is each one's own.
+  // Each chunk keeps its visibility set of the background.
   ASSERT_EQ(one.visibility_sets.size(), 3U);
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t number = number_of_visibility_set(one, k);
@@ -309,7 +308,7 @@ TEST_F(ChunksTest, FilesHoldWhatMemoryWould) {
   written.run({}, {file, 0});
   EXPECT_TRUE(fs::exists(chunk_file(file, 2)));
   expect_same(written.scene(), remembered.scene());
-  // Taken out of the training, it is the same once more.
+  // The result of the training equals it, too.
   const std::size_t views = written.result().support->views.size();
   const SceneFile taken = std::move(written).result();
   expect_same(taken.scene, std::move(remembered).result().scene);
@@ -330,14 +329,14 @@ TEST_F(ChunksTest, AreAsFewAsFitInMemory) {
   const ChunkPlan whole = plan(std::size_t{1} << 40U, std::size_t{1} << 40U);
   EXPECT_EQ(whole.count, 1U);
   EXPECT_EQ(whole.length_m, path.length_m());
-  // The need of a piece is the more the longer it is, so a byte less than the whole's need cuts the drive.
+  // The need increases with the length, so a limit of one byte less cuts the drive.
   const ChunkPlan by_host = plan(whole.host_bytes - 1, 0), by_device = plan(0, whole.device_bytes - 1);
   EXPECT_GT(by_host.count, 1U);
   EXPECT_LE(by_host.host_bytes, whole.host_bytes);
   EXPECT_GT(by_device.count, 1U);
   EXPECT_LT(by_device.device_bytes, whole.device_bytes);
   EXPECT_NEAR(by_device.length_m * static_cast<double>(by_device.count), path.length_m(), 1e-6);
-  // What is estimated is what a training of such a chunk then asks of the device, or more.
+  // The estimate is an upper bound of the device memory of a training of this chunk.
   TrainingOptions o = options(by_device.length_m);
   Training training(test::device(), log_, o);
   training.prepare();
@@ -345,7 +344,7 @@ TEST_F(ChunksTest, AreAsFewAsFitInMemory) {
   const MemoryNeed need = training_memory(test::device(), log_, training.scene(), o);
   EXPECT_GT(static_cast<double>(by_device.device_bytes), 0.8 * static_cast<double>(need.total));
   EXPECT_LT(static_cast<double>(by_device.device_bytes), 3.0 * static_cast<double>(need.total));
-  // What cannot fit says so, with what was found, allowed, and by what.
+  // The error contains the found and the allowed value and the limiting option.
   expect_error(ErrorKind::kUsage, "allowed 0.000 GB by host_memory_bytes", [&] { plan(1000, 0); });
   expect_error(ErrorKind::kUsage, "20 m of the drive at a time", [&] { plan(1000, 0); });
   expect_error(ErrorKind::kDevice, "allowed 0.000 GB by memory_bytes", [&] { plan(0, 1000); });

@@ -1,4 +1,4 @@
-// Ranks in threads: what they tell each other, and how they end.
+// Tests ranks in threads: communication and termination.
 #include "optim/train/ranks/ranks.hpp"
 
 #include <algorithm>
@@ -21,7 +21,7 @@ TEST(Ranks, EveryRankGetsWhatEachHasGiven) {
   std::atomic<std::size_t> right = 0;
   run_rank_threads(kRanks, [&](Ranks& ranks) {
     for (std::size_t round = 0; round < kRounds; ++round) {
-      // Of each rank another number of bytes, of some none.
+      // Each rank sends another number of bytes, some none.
       const Ranks::Bytes own = bytes_of((ranks.rank() * round) % 7, ranks.rank() + round);
       const auto all = ranks.all_gather(own);
       bool is_right = all.size() == kRanks;
