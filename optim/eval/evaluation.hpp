@@ -29,12 +29,39 @@ struct EvalReport : EvalScores {
   std::vector<SweepScore> sweep_scores;
   double camera_mp_per_s = kNoNumber;  // 1e6 pixels per second: median of the timed renders of one frame,
   double lidar_mr_per_s = kNoNumber;   // projection to blending, results left on the device
-  int image_width = 0;  // px, of the compared pictures
+  int image_width = 0;                 // px, of the compared pictures
   int image_height = 0;
   std::string device;
   double seconds = 0.0;
   std::vector<std::string> warnings;  // one sentence each: sanitised labels of the log
 };
+
+/// Calls value(key, value) for each part of a report, with the keys of all outputs: texts, numbers, lists of texts,
+/// vectors of scores, optional EvalScores, and the pairs of by_sensor.
+template <class F>
+void visit_report(const EvalReport& r, F&& value) {
+  value("frames", std::string(to_string(r.frames.kind)));
+  value("held_out_every", r.frames.asked.held_out_every);
+  value("held_out_middle", r.frames.asked.held_out_middle);
+  value("held_out_last", r.frames.asked.held_out_last);
+  value("held_out_sensors", r.frames.asked.held_out_sensors);
+  value("image_scale", r.frames.asked.image_scale);
+  visit_scores(static_cast<const EvalScores&>(r), value);
+  value("by_picture", r.picture_scores);
+  value("by_sweep", r.sweep_scores);
+  value("between", r.between);
+  value("middle", r.middle);
+  value("beyond", r.beyond);
+  value("sensor", r.sensor);
+  value("by_sensor", r.by_sensor);
+  value("camera_mp_per_s", r.camera_mp_per_s);
+  value("lidar_mr_per_s", r.lidar_mr_per_s);
+  value("image_width_px", r.image_width);
+  value("image_height_px", r.image_height);
+  value("device", r.device);
+  value("seconds", r.seconds);
+  value("warnings", r.warnings);
+}
 
 /// Two pictures of one size.
 struct PicturePair {

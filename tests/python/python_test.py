@@ -47,6 +47,21 @@ for name in ("psnr_db", "ssim", "distance_median_m", "intensity_rmse", "raydrop_
              "raydrop_trivial", "drop_recall", "drop_precision", "chamfer_m"):
     assert found[name] == said[name], (name, found[name], said[name])
 assert found["frames"] == said["frames"] == "held_out"
+
+
+def same_keys(ours, json_value, place, only_json=()):
+    """Whether both have the same keys, at every depth."""
+    if isinstance(ours, dict) and isinstance(json_value, dict):
+        assert ours.keys() == json_value.keys() - set(only_json), (place, ours.keys() ^ json_value.keys())
+        for key in ours:
+            same_keys(ours[key], json_value[key], f"{place}.{key}")
+    elif isinstance(ours, list) and isinstance(json_value, list):
+        assert len(ours) == len(json_value), place
+        for i, pair in enumerate(zip(ours, json_value)):
+            same_keys(*pair, f"{place}[{i}]")
+
+
+same_keys(found, said, "eval", only_json=["training"])
 assert [r["returns"] for r in found["ranges"]] == [r["returns"] for r in said["ranges"]]
 assert found["between"] is found["middle"] is found["beyond"] is None  # all that was held out is between training frames
 simuli.train(log, os.path.join(work, "end.scene"), settings=settings + ["held_out_every=3", "held_out_last=0.3"])
@@ -244,6 +259,18 @@ when = scene.actors[0]["times_s"][len(scene.actors[0]["times_s"]) // 2]
 there = scene.render(lidar, time_s=when).range_m
 assert not np.array_equal(scene.render(lidar, time_s=when, edits=[simuli.remove(car)]).range_m, there)
 assert np.array_equal(scene.render(lidar, time_s=when).range_m, there)
+twins = simuli.Scene(folder)
+original_support = twins.support(twins.render(lidar, time_s=when))
+twins.duplicate_actor(car, "second")
+twins.duplicate_actor("second", "third")
+for removed in (car, "second"):
+    twins.edit(simuli.remove(removed))
+twin = twins.render(lidar, time_s=when)
+assert np.array_equal(twins.support(twin), original_support)  # the copy of a copy has the support of its original
+unknown = simuli.Scene(folder)
+unknown.add_actor(twins, "third", "stranger")
+unknown.edit(simuli.remove(car))
+assert not np.array_equal(unknown.support(unknown.render(lidar, time_s=when)), original_support)
 scene.duplicate_actor(car, "second")
 scene.edit(simuli.move("second", [0, 3, 0]))
 scene.edit(simuli.turn("second", 0.5))
@@ -252,7 +279,8 @@ assert not np.array_equal(scene.render(lidar, time_s=when).range_m, there)
 scene.resize_actor("second", 1.5)
 assert np.allclose(scene.actors[-1]["size_m"], 1.5 * np.array(scene.actors[0]["size_m"]))
 assert scene.mirror_actor("second", recorded=car) in (True, False)
-refused(lambda: scene.mirror_actor("second"), "second")
+assert scene.mirror_actor("second") in (True, False)  # by default the sides of its original
+refused(lambda: scene.mirror_actor("nobody"), "nobody")
 refused(lambda: scene.resize_actor("second", 0.0), "resize second")
 assert repr(scene).startswith('<simuli.Scene: "street", 2 cameras, 1 LiDARs, 2 actors, on '), repr(scene)
 scene.edit(simuli.remove("second"))

@@ -210,8 +210,7 @@ simuli_status simuli_scene_edit(simuli_scene* scene, const simuli_edit* edit) {
       const std::string name = &need(wanted.new_name, "new_name");
       const std::string actor = &need(wanted.actor, "actor");
       change(need(scene, "scene"), [&](Scene& s) { duplicate_actor(s, actor, name); });
-      const auto original = scene->copies.find(actor);
-      scene->copies[name] = original == scene->copies.end() ? actor : original->second;
+      add_copy(scene->copies, actor, name);
       return;
     }
     const ActorEdit one = edit_of(wanted);

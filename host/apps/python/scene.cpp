@@ -123,9 +123,14 @@ class PyScene {
     }
     bool done = false;
     change([&](Scene& s) {
-      done = mirror_actor(s, *file_.support, actor, recorded.empty() ? actor : recorded);
+      done =
+          mirror_actor(s, *file_.support, actor, recorded.empty() ? original_of(copies_, actor) : recorded);
     });
     return done;
+  }
+  void duplicate(const std::string& actor, const std::string& as) {
+    change([&](Scene& s) { duplicate_actor(s, actor, as); });
+    add_copy(copies_, actor, as);
   }
   void edit(const ActorEdit& edit) {
     change([&](Scene& s) { edit_actor(s, edit); });
@@ -205,7 +210,9 @@ class PyScene {
     const auto found = [&] {
       const DeviceLock lock(device_.mutex);
       if (!support_) support_.emplace(device_.device, file_.support);
-      return std::make_shared<const std::vector<float>>(support_->of(frame.frame(), *scene_, copies));
+      ActorCopies all = copies;
+      all.insert(copies_.begin(), copies_.end());
+      return std::make_shared<const std::vector<float>>(support_->of(frame.frame(), *scene_, all));
     }();
     const Sensor& sensor = frame.frame().sensor();
     return array_on(found,
@@ -309,6 +316,7 @@ class PyScene {
   SceneFile file_;  // its scene is empty
   SensorRig rig_;
   std::shared_ptr<const Scene> scene_;
+  ActorCopies copies_;
   std::optional<SceneOnDevice> on_device_;
   RenderOptions options_;
   std::optional<SupportOnDevice> support_;  // when first asked for
@@ -359,12 +367,15 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("transmittance") = py::none(),
            py::arg("distance_sum_m") = py::none(),
            "dL/d(particles) [N, 11 + 3 K] from dL/d(a frame's arrays); 0 for particles that no ray sees.")
-      .def("support",
-           &PyScene::support,
-           py::arg("frame"),
-           py::arg("copies") = ActorCopies{},
-           "float32 [rows, columns] in [0, 1]: how well what a frame of this scene shows is known from the "
-           "frames that it was made of; 0: not at all. copies: whose copies duplicated actors are, by name.")
+      .def(
+          "support",
+          &PyScene::support,
+          py::arg("frame"),
+          py::arg("copies") = ActorCopies{},
+          "float32 [rows, columns] in [0, 1]: how well the training frames support each ray of a frame of "
+          "this "
+          "scene; 0: not at all. Copies made by duplicate_actor() count as their originals. copies: names of "
+          "further copies -> names of their originals.")
       .def("labels",
            &PyScene::labels,
            py::arg("frame"),
@@ -434,14 +445,11 @@ void add_scenes(py::module_& m) {
           [](const PyScene& s) { return actors_as_dicts(s.scene()->actors); },
           "name, kind, size_m, times_s, world_from_actor of each")
       .def("edit", &PyScene::edit, py::arg("edit"), "remove(), move(), retime(), retrack(): for all frames.")
-      .def(
-          "duplicate_actor",
-          [](PyScene& s, const std::string& actor, const std::string& as) {
-            s.change([&](Scene& scene_) { duplicate_actor(scene_, actor, as); });
-          },
-          py::arg("actor"),
-          py::arg("new_name"),
-          "The same once more, at the same place until it is edited.")
+      .def("duplicate_actor",
+           &PyScene::duplicate,
+           py::arg("actor"),
+           py::arg("new_name"),
+           "The same once more, at the same place until it is edited.")
       .def(
           "add_actor",
           [](PyScene& s, const PyScene& other, const std::string& actor, const std::string& as) {
@@ -477,7 +485,8 @@ void add_scenes(py::module_& m) {
            py::arg("recorded") = "",
            "Of which one side alone was recorded: the other shows it mirrored. False, and nothing done, "
            "where both "
-           "sides were seen, or none. recorded: whose copy a duplicated actor is.")
+           "sides were seen, or none. recorded: the recorded actor; default: the original of a duplicated "
+           "actor.")
       .def("__repr__",
            [](const PyScene& s) {
              return fmt::format("<simuli.Scene: \"{}\", {} cameras, {} LiDARs, {} actors, on {}>",

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <functional>
 #include <pybind11/functional.h>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include "host/apps/python/bindings.hpp"
@@ -57,60 +59,47 @@ py::dict train(const std::filesystem::path& log,
   return out;
 }
 
-/// None for a share of nothing.
-py::object share(double value) {
-  return std::isfinite(value) ? py::object(py::float_(value)) : py::object(py::none());
-}
+/// Puts reports and scores into a dict. NaN is kept, except for recall and precision without dropped rays: None.
+struct DictScores {
+  py::dict out;
 
-void put_scores(py::dict& out, const EvalScores& r) {
-  out["images"] = r.images;
-  out["sweeps"] = r.sweeps;
-  out["psnr_db"] = r.psnr_db;
-  out["ssim"] = r.ssim;
-  out["flip"] = r.flip;
-  out["psnr_corrected_db"] = r.psnr_corrected_db;
-  out["distance_median_m"] = r.lidar.distance_median_m;
-  out["distance_expected_median_m"] = r.distance_expected_median_m;
-  out["share_own"] = r.share_own;
-  out["medl2_m2"] = r.lidar.medl2_m2;
-  out["mean_rel_l2"] = r.lidar.mean_rel_l2;
-  out["intensity_rmse"] = r.lidar.intensity_rmse;
-  out["raydrop_accuracy"] = r.lidar.raydrop_accuracy;
-  out["raydrop_trivial"] = r.lidar.raydrop_trivial;
-  out["drop_recall"] = share(r.lidar.drop_recall);
-  out["drop_precision"] = share(r.lidar.drop_precision);
-  out["chamfer_m2"] = r.lidar.chamfer_m2;
-  out["chamfer_m"] = r.lidar.chamfer_m;
-  out["actor_psnr_db"] = r.actor_psnr_db;
-  out["actor_distance_median_m"] = r.actor_distance_median_m;
-  out["actor_share_met"] = r.actor_share_met;
-  py::list ranges, kinds;
-  for (std::size_t i = 0; i < r.ranges.size(); ++i) {
-    const RangeScores& s = r.ranges[i];
-    py::dict range;
-    range["from_m"] = RangeScores::kFrom_m[i];
-    range["returns"] = s.returns;
-    range["distance_median_m"] = s.distance_median_m;
-    range["distance_mean_m"] = s.distance_mean_m;
-    range["share_dropped"] = s.share_dropped;
-    range["returns_of_nothing"] = s.returns_of_nothing;
-    range["pixels"] = s.pixels;
-    range["psnr_db"] = s.psnr_db;
-    ranges.append(range);
+  template <class Value>
+  void operator()(const char* key, const Value& value) {
+    out[key] = value;
   }
-  for (const KindScores& s : r.kinds) {
-    py::dict kind;
-    kind["kind"] = s.kind;
-    kind["pixels"] = s.pixels;
-    kind["psnr_db"] = s.psnr_db;
-    kind["returns"] = s.returns;
-    kind["distance_median_m"] = s.distance_median_m;
-    kind["share_met"] = s.share_met;
-    kinds.append(kind);
+  void operator()(const char* key, double value) {
+    const std::string_view name = key;
+    const bool is_share = name == "drop_recall" || name == "drop_precision";
+    out[key] = is_share && std::isnan(value) ? py::object(py::none()) : py::object(py::float_(value));
   }
-  out["ranges"] = ranges;
-  out["kinds"] = kinds;
-}
+  template <class Scores>
+  requires std::is_base_of_v<FrameScore, Scores> || std::is_same_v<KindScores, Scores>
+  void operator()(const char* key, const std::vector<Scores>& all) {
+    py::list list;
+    for (const Scores& scores : all) list.append(of(scores));
+    out[key] = list;
+  }
+  void operator()(const char* key, const std::vector<RangeScores>& ranges) {
+    py::list list;
+    for (std::size_t i = 0; i < ranges.size(); ++i) list.append(of(ranges[i], i));
+    out[key] = list;
+  }
+  void operator()(const char* key, const std::optional<EvalScores>& scores) {
+    out[key] = scores ? py::object(of(*scores)) : py::object(py::none());
+  }
+  void operator()(const char* key, const std::vector<std::pair<std::string, EvalScores>>& by_name) {
+    py::dict all;
+    for (const auto& [name, scores] : by_name) all[name.c_str()] = of(scores);
+    out[key] = all;
+  }
+
+  template <class Scores, class... Index>
+  static py::dict of(const Scores& scores, Index... index) {
+    DictScores inner;
+    visit_scores(scores, index..., inner);
+    return inner.out;
+  }
+};
 
 py::dict evaluate(const std::filesystem::path& scene,
                   const std::filesystem::path& log,
@@ -123,29 +112,9 @@ py::dict evaluate(const std::filesystem::path& scene,
     const DeviceLock lock(on.mutex);
     return Evaluation(on.device, read_scene(scene), read_log(log), options).run();
   }();
-  py::dict out;
-  out["frames"] = to_string(r.frames.kind);
-  out["held_out_every"] = r.frames.asked.held_out_every;
-  out["held_out_middle"] = r.frames.asked.held_out_middle;
-  out["held_out_last"] = r.frames.asked.held_out_last;
-  out["held_out_sensors"] = r.frames.asked.held_out_sensors;
-  out["image_scale"] = r.frames.asked.image_scale;
-  put_scores(out, r);
-  out["warnings"] = r.warnings;
-  const auto part = [](const std::optional<EvalScores>& scores) -> py::object {
-    if (!scores) return py::none();
-    py::dict of_part;
-    put_scores(of_part, *scores);
-    return of_part;
-  };
-  out["between"] = part(r.between);
-  out["middle"] = part(r.middle);
-  out["beyond"] = part(r.beyond);
-  out["sensor"] = part(r.sensor);
-  py::dict sensors;
-  for (const auto& [sensor, scores] : r.by_sensor) sensors[sensor.c_str()] = part(scores);
-  out["by_sensor"] = sensors;
-  return out;
+  DictScores report;
+  visit_report(r, report);
+  return report.out;
 }
 
 }  // namespace
@@ -161,11 +130,10 @@ void add_training(py::module_& m) {
       py::arg("progress") = nullptr,
       py::arg("device") = py::none(),
       py::arg("overwrite") = false,
-      "A scene from a log folder, as `simuli train` makes it, bit for bit. settings: \"key=value\", as "
+      "Trains a scene from a log folder, with the same bits as `simuli train`. settings: \"key=value\", as "
       "`simuli train --set help` lists them; progress(iteration, psnr_db) is called after each iteration. "
-      "The dict tells particles, training scores, and under held_out those of the frames that were held out "
-      "(None: there were none). simuli.Error, before the training, when there is something at `scene`; "
-      "overwrite replaces a scene.");
+      "Returns particle counts, training scores, and under held_out the scores of the held-out frames (None "
+      "without any). Throws simuli.Error before the training if `scene` exists; overwrite replaces a scene.");
   m.def("evaluate",
         &evaluate,
         py::arg("scene"),
@@ -173,8 +141,9 @@ void add_training(py::module_& m) {
         py::arg("quality") = "",
         py::arg("settings") = std::vector<std::string>{},
         py::arg("device") = py::none(),
-        "What `simuli eval SCENE LOG` says, by the names of its --json; NaN where there is no such frame, "
-        "drop_recall and drop_precision None where no ray drops or is said to.");
+        "Returns the scores that `simuli eval SCENE LOG --json` prints, by the same keys; NaN without such "
+        "frames, "
+        "drop_recall and drop_precision None without dropped rays.");
 }
 
 }  // namespace simuli::python

@@ -205,6 +205,15 @@ void duplicate_actor(Scene& scene, const std::string& name, const std::string& c
   }
 }
 
+const std::string& original_of(const ActorCopies& copies, const std::string& name) {
+  const auto copy = copies.find(name);
+  return copy == copies.end() ? name : copy->second;
+}
+
+void add_copy(ActorCopies& copies, const std::string& name, const std::string& copy_name) {
+  copies[copy_name] = std::string(original_of(copies, name));
+}
+
 void add_actor(Scene& scene, const Scene& other, const std::string& name, const std::string& new_name) {
   const std::uint32_t number = number_of(other.actors, name);
   need_new_name(scene, new_name);

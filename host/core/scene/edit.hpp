@@ -2,6 +2,7 @@
 // Edits of a trained scene: motion and presence of its actors. All sensors see the same edit, without training.
 // Throws Error{kUsage} for unknown names and for names already in use.
 #include <Eigen/Core>
+#include <map>
 #include <string>
 #include <variant>
 #include <vector>
@@ -63,6 +64,13 @@ void retrack_actor(Scene& scene, const std::string& name, std::vector<KeyPose> t
 /// Adds a second actor `copy_name` with the particles and the track of `name`. Throws Error{kInput} for an
 /// invalid name (need_name()), Error{kUsage} for one in use.
 void duplicate_actor(Scene& scene, const std::string& name, const std::string& copy_name);
+
+/// Names of duplicated actors -> name of the recorded original.
+using ActorCopies = std::map<std::string, std::string>;
+/// Records that `copy_name` duplicates `name`, or the original of `name` if that is a copy itself.
+void add_copy(ActorCopies& copies, const std::string& name, const std::string& copy_name);
+/// Returns the recorded original of an actor, which is the actor itself unless it is a copy.
+[[nodiscard]] const std::string& original_of(const ActorCopies& copies, const std::string& name);
 
 /// Adds the actor `name` of another scene as `new_name`, with its particles of both sets. Its track is in the
 /// other scene's world: set one of this world with retrack_actor(). SH bands that a set lacks are dropped,

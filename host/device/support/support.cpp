@@ -88,8 +88,7 @@ struct Comparison {
 };
 
 const Actor* recorded_actor(const SupportRecord& record, const std::string& name, const ActorCopies& copies) {
-  const auto copy = copies.find(name);
-  const std::string& original = copy == copies.end() ? name : copy->second;
+  const std::string& original = original_of(copies, name);
   const auto found = std::find_if(
       record.actors.begin(), record.actors.end(), [&](const Actor& actor) { return actor.name == original; });
   return found == record.actors.end() ? nullptr : &*found;

@@ -1,20 +1,17 @@
 #pragma once
 // Support: how well recorded frames support a rendered frame.
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "host/core/base/image.hpp"
 #include "host/core/record/support_record.hpp"
+#include "host/core/scene/edit.hpp"
 #include "host/core/scene/scene.hpp"
 #include "host/device/render/scene/frame.hpp"
 #include "host/device/runtime/device.hpp"
 
 namespace simuli {
-
-/// Copies of actors: name -> name of the original.
-using ActorCopies = std::map<std::string, std::string>;
 
 /// Computes the support of every ray of a frame in [0, 1] from the frames that the scene was trained on:
 /// whether they saw its point, the smallest viewing angle between both rays, the relative sampling, the scene's

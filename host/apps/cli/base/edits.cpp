@@ -113,12 +113,11 @@ Pose standing_pose(const Trajectory& world_from_rig) {
   return {Eigen::Quaterniond(level), start.translation};
 }
 
-std::map<std::string, std::string> copies_of(const Edits& edits) {
-  std::map<std::string, std::string> copies;
+ActorCopies copies_of(const Edits& edits) {
+  ActorCopies copies;
   for (const std::string& edit : edits.duplicate) {
     const auto parts = parts_of("--duplicate", edit, 2, 2, "ACTOR:NAME");
-    const auto of_copy = copies.find(parts[0]);
-    copies[parts[1]] = of_copy == copies.end() ? parts[0] : of_copy->second;
+    add_copy(copies, parts[0], parts[1]);
   }
   return copies;
 }

@@ -1,10 +1,10 @@
 #pragma once
 // Edits of actors of a scene on the command line.
-#include <map>
 #include <string>
 #include <vector>
 
 #include "host/apps/cli/base/command.hpp"
+#include "host/core/scene/edit.hpp"
 #include "host/core/scene/mounting.hpp"
 #include "io/scene/scene_folder.hpp"
 
@@ -36,7 +36,7 @@ void add_edit_options(Command sub, Edits& edits);
 /// Returns one text per edit, in the order of application: "--remove car".
 [[nodiscard]] std::vector<std::string> lines_of(const Edits& edits);
 /// Returns the original actor of each duplicated actor, by the copy's name.
-[[nodiscard]] std::map<std::string, std::string> copies_of(const Edits& edits);
+[[nodiscard]] ActorCopies copies_of(const Edits& edits);
 /// Throws Error{kUsage} for an incomplete edit, Error{kInput} for an unreadable scene or log.
 void apply(const Edits& edits, SceneFile& scene);
 /// Returns world_from_base for added splats: the first ego position with the rig's heading, levelled.

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <optional>
+#include <type_traits>
+#include <utility>
 
 #include "host/apps/cli/base/provenance.hpp"
 #include "host/core/base/one_line.hpp"
@@ -107,27 +110,39 @@ TextTable table_of_kinds(const EvalReport& r) {
   return table;
 }
 
-Json json_of(const RangeScores& s, std::size_t i) {
-  const bool last = i + 1 == RangeScores::kFrom_m.size();
-  return {{"from_m", RangeScores::kFrom_m[i]},
-          {"to_m", last ? Json() : Json(RangeScores::kFrom_m[i + 1])},
-          {"returns", s.returns},
-          {"distance_median_m", s.distance_median_m},
-          {"distance_mean_m", s.distance_mean_m},
-          {"share_dropped", s.share_dropped},
-          {"returns_of_nothing", s.returns_of_nothing},
-          {"pixels", s.pixels},
-          {"psnr_db", s.psnr_db}};
-}
+/// Puts reports and scores into a JSON object; a number that is not finite is null.
+struct JsonScores {
+  Json out = Json::object();
 
-Json json_of(const KindScores& s) {
-  return {{"kind", s.kind},
-          {"pixels", s.pixels},
-          {"psnr_db", s.psnr_db},
-          {"returns", s.returns},
-          {"distance_median_m", s.distance_median_m},
-          {"share_met", s.share_met}};
-}
+  template <class Value>
+  void operator()(const char* key, const Value& value) {
+    out[key] = value;
+  }
+  template <class Scores>
+  requires std::is_base_of_v<FrameScore, Scores> || std::is_same_v<KindScores, Scores>
+  void operator()(const char* key, const std::vector<Scores>& all) {
+    Json& list = out[key] = Json::array();
+    for (const Scores& scores : all) list.push_back(of(scores));
+  }
+  void operator()(const char* key, const std::vector<RangeScores>& ranges) {
+    Json& list = out[key] = Json::array();
+    for (std::size_t i = 0; i < ranges.size(); ++i) list.push_back(of(ranges[i], i));
+  }
+  void operator()(const char* key, const std::optional<EvalScores>& scores) {
+    out[key] = scores ? of(*scores) : Json();
+  }
+  void operator()(const char* key, const std::vector<std::pair<std::string, EvalScores>>& by_name) {
+    Json& all = out[key] = Json::object();
+    for (const auto& [name, scores] : by_name) all[name] = of(scores);
+  }
+
+  template <class Scores, class... Index>
+  static Json of(const Scores& scores, Index... index) {
+    JsonScores inner;
+    visit_scores(scores, index..., inner);
+    return std::move(inner.out);
+  }
+};
 
 }  // namespace
 
@@ -163,64 +178,10 @@ std::string text_of(const TextTable& table) {
   return text;
 }
 
-Json json_of(const EvalScores& s) {
-  const SweepMetrics& l = s.lidar;
-  Json ranges = Json::array(), kinds = Json::array();
-  for (std::size_t i = 0; i < s.ranges.size(); ++i) ranges.push_back(json_of(s.ranges[i], i));
-  for (const KindScores& kind : s.kinds) kinds.push_back(json_of(kind));
-  return {{"psnr_db", s.psnr_db},
-          {"ssim", s.ssim},
-          {"flip", s.flip},
-          {"psnr_corrected_db", s.psnr_corrected_db},
-          {"distance_median_m", l.distance_median_m},
-          {"distance_expected_median_m", s.distance_expected_median_m},
-          {"share_own", s.share_own},
-          {"medl2_m2", l.medl2_m2},
-          {"mean_rel_l2", l.mean_rel_l2},
-          {"intensity_rmse", l.intensity_rmse},
-          {"raydrop_accuracy", l.raydrop_accuracy},
-          {"raydrop_trivial", l.raydrop_trivial},
-          {"drop_recall", l.drop_recall},
-          {"drop_precision", l.drop_precision},
-          {"chamfer_m2", l.chamfer_m2},
-          {"chamfer_m", l.chamfer_m},
-          {"actor_psnr_db", s.actor_psnr_db},
-          {"actor_pixels", s.actor_pixels},
-          {"actor_distance_median_m", s.actor_distance_median_m},
-          {"actor_returns", s.actor_returns},
-          {"actor_share_met", s.actor_share_met},
-          {"images", s.images},
-          {"sweeps", s.sweeps},
-          {"sweeps_without_distance", s.sweeps_without_distance},
-          {"sweeps_without_drops", s.sweeps_without_drops},
-          {"sweeps_without_predicted_drops", s.sweeps_without_predicted_drops},
-          {"sweeps_without_chamfer", s.sweeps_without_chamfer},
-          {"ranges", ranges},
-          {"kinds", kinds}};
-}
-
-Json json_of(const PictureScore& s) {
-  return {{"index", s.index},
-          {"sensor", s.sensor},
-          {"time_s", s.time_s},
-          {"psnr_db", s.psnr_db},
-          {"ssim", s.ssim},
-          {"flip", s.flip},
-          {"psnr_corrected_db", s.psnr_corrected_db}};
-}
-
-Json json_of(const SweepScore& s) {
-  const SweepMetrics& m = s.metrics;
-  return {{"index", s.index},
-          {"sensor", s.sensor},
-          {"time_s", s.time_s},
-          {"distance_median_m", m.distance_median_m},
-          {"distance_expected_median_m", s.expected_median_m},
-          {"share_own", s.share_own},
-          {"mean_rel_l2", m.mean_rel_l2},
-          {"intensity_rmse", m.intensity_rmse},
-          {"raydrop_accuracy", m.raydrop_accuracy},
-          {"chamfer_m", m.chamfer_m}};
+Json json_of(const EvalReport& report) {
+  JsonScores scores;
+  visit_report(report, scores);
+  return std::move(scores.out);
 }
 
 }  // namespace simuli::cli

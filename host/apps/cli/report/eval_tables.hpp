@@ -19,17 +19,13 @@ struct TextTable {
   std::vector<std::vector<std::string>> rows;
 };
 
-/// Held-out frames of both uses apart, errors by range, errors by kind of object: each where there is
-/// something to tell.
+/// Returns the tables of scores by use of held-out frames, by sensor, by range and by kind of object, without the empty
+/// ones.
 [[nodiscard]] std::vector<TextTable> eval_tables(const EvalReport& report);
-/// For a terminal: columns as wide as what stands in them, the first one to the left.
+/// Returns the table for a terminal, with aligned columns; the first one is left-justified.
 [[nodiscard]] std::string text_of(const TextTable& table);
 
-/// With units in the key names; a value that is not a number is null.
-[[nodiscard]] Json json_of(const EvalScores& scores);
-
-/// A frame's own scores: its index in the log, sensor, time.
-[[nodiscard]] Json json_of(const PictureScore& score);
-[[nodiscard]] Json json_of(const SweepScore& score);
+/// Returns the report as JSON, with units in the key names; a number that is not finite is null.
+[[nodiscard]] Json json_of(const EvalReport& report);
 
 }  // namespace simuli::cli

@@ -314,31 +314,8 @@ std::vector<ScoreLine> metric_lines(const EvalReport& r) {
 
 void print_eval(const EvalReport& r, const SceneFile& scene, bool json, const EvalSupport* support) {
   if (json) {
-    Json out = {{"frames", to_string(r.frames.kind)},
-                {"held_out_every", r.frames.asked.held_out_every},
-                {"held_out_middle", r.frames.asked.held_out_middle},
-                {"held_out_last", r.frames.asked.held_out_last},
-                {"held_out_sensors", r.frames.asked.held_out_sensors},
-                {"image_scale", r.frames.asked.image_scale}};
-    out.update(json_of(r));
-    Json pictures = Json::array(), sweeps = Json::array(), sensors = Json::object();
-    for (const auto& [sensor, scores] : r.by_sensor) sensors[sensor] = json_of(scores);
-    for (const PictureScore& score : r.picture_scores) pictures.push_back(json_of(score));
-    for (const SweepScore& score : r.sweep_scores) sweeps.push_back(json_of(score));
-    out.update(Json{{"by_picture", pictures}, {"by_sweep", sweeps}});
-    out.update(Json{{"between", r.between ? json_of(*r.between) : Json()},
-                    {"middle", r.middle ? json_of(*r.middle) : Json()},
-                    {"beyond", r.beyond ? json_of(*r.beyond) : Json()},
-                    {"sensor", r.sensor ? json_of(*r.sensor) : Json()},
-                    {"by_sensor", sensors},
-                    {"camera_mp_per_s", r.camera_mp_per_s},
-                    {"lidar_mr_per_s", r.lidar_mr_per_s},
-                    {"image_width_px", r.image_width},
-                    {"image_height_px", r.image_height},
-                    {"device", r.device},
-                    {"seconds", r.seconds},
-                    {"warnings", r.warnings},
-                    {"training", scene.training ? to_json(*scene.training) : Json()}});
+    Json out = json_of(r);
+    out["training"] = scene.training ? to_json(*scene.training) : Json();
     if (support != nullptr) out["support"] = json_of(*support);
     std::cout << json_text(out) << '\n';
     return;

@@ -155,9 +155,8 @@ std::string ViewSession::duplicate(const std::string& json) {
   std::string copy;
   change([&](Scene& scene) {
     copy = new_name(scene, name);
-    const auto of_copy = copies_.find(name);
-    copies_[copy] = of_copy == copies_.end() ? name : of_copy->second;
     duplicate_actor(scene, name, copy);
+    add_copy(copies_, name, copy);
     return fmt::format("--duplicate {}:{}", name, copy);
   });
   return Json{{"actor", copy}}.dump();
