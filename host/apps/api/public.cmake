@@ -60,7 +60,8 @@ set(SIMULI_PUBLIC_training
   optim/data/path_report.hpp optim/actors/finding_options.hpp
   optim/init/init_options.hpp optim/data/range_bias.hpp optim/data/ego_vehicle.hpp optim/data/range_limit.hpp
   optim/data/sensor_learning.hpp optim/actors/pose_rates.hpp optim/train/schedule.hpp
-  optim/train/structure_options.hpp optim/train/length_options.hpp optim/train/train_options.hpp
+  optim/train/paper/anchor_options.hpp optim/train/structure_options.hpp optim/train/length_options.hpp
+  optim/train/train_options.hpp
   optim/complete/fixer_options.hpp optim/train/chunk/chunk_options.hpp optim/train/train_report.hpp optim/train/training_options.hpp optim/train/ranks/ranks.hpp
   optim/train/ranks/rank_threads.hpp optim/train/initialization_report.hpp optim/train/training.hpp)
 set(SIMULI_PUBLIC_evaluation

@@ -1,4 +1,4 @@
-// Arrays in and out by the buffer protocol.
+// Arrays from and to Python by the buffer protocol.
 #include <cmath>
 #include <cstdint>
 #include <type_traits>
@@ -8,11 +8,11 @@
 namespace simuli::python {
 namespace {
 
-/// Memory of ours that Python may look at.
+/// Memory of the module that Python may read.
 struct View {
   std::shared_ptr<const void> owner;
   const void* data;
-  std::string format;  // of the module `struct`
+  std::string format;  // as in the module `struct`
   py::ssize_t item_bytes;
   std::vector<py::ssize_t> shape, strides;
 };
@@ -39,8 +39,7 @@ py::object numpy_array(View view) {
   return py::module_::import("numpy").attr("asarray")(object_of(std::move(view)));
 }
 
-// DLPack's structures, as its specification has them: the plain ones, and those of version 1 that can say "read
-// only".
+// Structures of the DLPack specification: unversioned, and version 1, which has a read-only flag.
 struct DlTensor {
   void* data;
   std::int32_t device_type, device_id;
@@ -48,7 +47,7 @@ struct DlTensor {
   std::uint8_t type_code, type_bits;
   std::uint16_t type_lanes;
   std::int64_t* shape;
-  std::int64_t* strides;  // in items
+  std::int64_t* strides;  // in elements
   std::uint64_t byte_offset;
 };
 struct DlManaged {
@@ -67,7 +66,7 @@ constexpr std::int32_t kDlHost = 1;
 constexpr std::uint8_t kDlFloat = 2;
 constexpr std::uint64_t kDlReadOnly = 1;
 
-/// What a capsule holds: the structure, and what its pointers show.
+/// Content of a capsule: the structure and the arrays that it points to.
 template <class Managed>
 struct DlHolder {
   Managed managed{};
@@ -75,7 +74,7 @@ struct DlHolder {
   std::vector<std::int64_t> shape, strides;
 };
 
-/// Names of capsules: theirs who have not been taken yet.
+/// Names of capsules that no consumer has taken.
 const char* name_of(const DlManaged*) { return "dltensor"; }
 const char* name_of(const DlManagedVersioned*) { return "dltensor_versioned"; }
 
@@ -88,7 +87,7 @@ py::object dlpack_capsule(const View& view) {
   Managed& managed = holder->managed;
   managed.context = holder.get();
   managed.deleter = [](Managed* of) {
-    if (Py_IsInitialized() == 0) return;  // whoever takes it may outlive the interpreter
+    if (Py_IsInitialized() == 0) return;  // a consumer may outlive the interpreter
     const py::gil_scoped_acquire acquire;
     delete static_cast<DlHolder<Managed>*>(of->context);
   };
@@ -108,7 +107,7 @@ py::object dlpack_capsule(const View& view) {
   }
   PyObject* const capsule = PyCapsule_New(&managed, name_of(&managed), [](PyObject* of) {
     constexpr const Managed* kKind = nullptr;
-    if (PyCapsule_IsValid(of, name_of(kKind)) == 0) return;  // taken
+    if (PyCapsule_IsValid(of, name_of(kKind)) == 0) return;  // a consumer has taken it
     auto* const untaken = static_cast<Managed*>(PyCapsule_GetPointer(of, name_of(kKind)));
     untaken->deleter(untaken);
   });
@@ -117,7 +116,7 @@ py::object dlpack_capsule(const View& view) {
   return py::reinterpret_steal<py::object>(capsule);
 }
 
-/// The array API's __dlpack__().
+/// Implements the array API's __dlpack__().
 py::object dlpack(const View& view,
                   const py::object& stream,
                   const std::optional<std::pair<int, int>>& max_version,
@@ -134,10 +133,10 @@ py::object dlpack(const View& view,
                                                 : dlpack_capsule<DlManaged>(view);
 }
 
-/// `rows`: 3, or 4, whose last one says nothing but that it is a pose.
+/// `rows`: 3, or 4 with the last row 0 0 0 1.
 Pose pose_at(const double* row_major, py::ssize_t rows, const std::string& what) {
   for (py::ssize_t i = 0; i < 4 * rows; ++i) finite(row_major[i], what.c_str());
-  constexpr double kSlack = 1e-5;  // of single precision
+  constexpr double kSlack = 1e-5;  // for single precision
   const Eigen::Vector4d last = rows < 4 ? Eigen::Vector4d::UnitW() : Eigen::Vector4d(row_major + 12);
   if ((last - Eigen::Vector4d::UnitW()).cwiseAbs().maxCoeff() > kSlack) {
     std::string found;

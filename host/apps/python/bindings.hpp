@@ -1,6 +1,6 @@
 #pragma once
-// What the parts of the module share. NumPy is spoken to through Python's buffer protocol alone: its C
-// interface, which differs between NumPy 1 and 2, is not used.
+// Declarations that the module's sources share. NumPy is accessed through Python's buffer protocol only: its C
+// interface differs between NumPy 1 and 2.
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
@@ -21,8 +21,7 @@ namespace simuli::python {
 
 namespace py = pybind11;
 
-/// For each class: an object that Class.__new__() alone has made has none of its attributes, instead of no
-/// memory.
+/// For each class: an object made by Class.__new__() alone has no attributes, instead of uninitialised memory.
 [[nodiscard]] inline py::custom_type_setup made_objects_only() {
   return py::custom_type_setup([](PyHeapTypeObject* type) {
     type->ht_type.tp_getattro = [](PyObject* object, PyObject* name) -> PyObject* {
@@ -42,32 +41,32 @@ namespace py = pybind11;
   });
 }
 
-/// Held while a device is used: its calls release the GIL, and another thread may come in between.
+/// Held while a device is used: its calls release the GIL, so other threads could interfere.
 using DeviceMutex = std::shared_ptr<std::recursive_timed_mutex>;
 
-/// Releases the GIL for as long as it lives. Threads that come back when the interpreter is leaving stay here:
-/// Python would end them by unwinding, which ends the process. The interpreter waits at its exit for those that
-/// are out, so that none is in the driver when that goes.
+/// Releases the GIL during its lifetime. Threads that return while the interpreter shuts down block here,
+/// because Python would end them by unwinding, which would end the process. At exit the interpreter waits for
+/// all threads that have released the GIL, so that none is in the driver when it is unloaded.
 class GilRelease {
  public:
   GilRelease();
   GilRelease(const GilRelease&) = delete;
   GilRelease& operator=(const GilRelease&) = delete;
   ~GilRelease();
-  /// Once, when the module is loaded.
+  /// Called once, when the module is loaded.
   static void watch_exit();
 
  private:
   PyThreadState* state_;
 };
 
-/// For an Interruption: throws what Python's signal handlers raise (Ctrl-C), and Error{kUsage} in a thread that the
-/// interpreter is leaving behind. Takes the GIL ten times a second.
+/// Callback of an Interruption: throws the exception of Python's signal handlers (Ctrl-C), and Error{kUsage} in
+/// a thread during the interpreter's shutdown. Takes the GIL ten times a second.
 [[nodiscard]] const std::function<void()>& signals();
 
-/// Releases the GIL, then waits for the device; for as long as it lives. Recursive, so that a callback of a
-/// training may render. In a forked child, where another thread may have had it for ever, nothing is waited for.
-/// `is_heard`: Ctrl-C is, meanwhile and in what is called then; destructors hear nothing.
+/// Releases the GIL, then locks the device during its lifetime. Recursive, so that a training's callback may
+/// render. Does not lock in a forked child, where another thread may hold the lock forever. `is_heard`: Ctrl-C
+/// interrupts the wait and the calls made meanwhile; destructors pass false.
 class DeviceLock {
  public:
   explicit DeviceLock(const DeviceMutex& mutex, bool is_heard = true)
@@ -89,30 +88,31 @@ struct PyDevice {
   Device device;
   DeviceMutex mutex = std::make_shared<std::recursive_timed_mutex>();
 };
-/// None: the best there is; a text: Device::best() of it; or a Device.
+/// Accepts None (the best device), a text (Device::best()) or a Device.
 [[nodiscard]] PyDevice device_of(const py::object& device);
 
 // Arrays.
 
-/// Numbers from anything that NumPy makes an array of. Error{kUsage} naming `what` for what holds no numbers.
+/// Numbers from any object that NumPy converts to an array. Throws Error{kUsage} naming `what` for an object
+/// without numbers.
 struct Numbers {
   std::vector<double> values;  // row-major
   std::vector<py::ssize_t> shape;
 };
 [[nodiscard]] Numbers numbers_of(const py::handle& from, const std::string& what);
-/// A 4 x 4 or 3 x 4 matrix. Error{kUsage} for another shape, Error{kInput} for what is no pose: a last row other than
-/// 0 0 0 1 among it.
+/// Accepts a 4 x 4 or 3 x 4 matrix. Throws Error{kUsage} for another shape, Error{kInput} for a matrix that is
+/// not a rigid transform or whose last row is not 0 0 0 1.
 [[nodiscard]] Pose pose_of(const py::handle& from, const std::string& what);
-/// [n, 4, 4] or [n, 3, 4].
+/// Accepts [n, 4, 4] or [n, 3, 4].
 [[nodiscard]] std::vector<Pose> poses_of(const py::handle& from, const std::string& what);
-/// Error{kUsage} naming `what` unless it is finite.
+/// Throws Error{kUsage} naming `what` unless the value is finite.
 double finite(double value, const char* what);
 
-/// Memory that `owner` keeps, for NumPy and by DLPack, without a copy.
+/// Returns memory of `owner` for NumPy and DLPack, without a copy.
 [[nodiscard]] py::object tensor_on(std::shared_ptr<const void> owner,
                                    const float* data,
                                    std::vector<py::ssize_t> shape);
-/// A NumPy array on memory that `owner` keeps, read-only, without a copy.
+/// Returns a read-only NumPy array of memory of `owner`, without a copy.
 [[nodiscard]] py::object array_on(std::shared_ptr<const void> owner,
                                   const float* data,
                                   std::vector<py::ssize_t> shape,
@@ -122,7 +122,7 @@ double finite(double value, const char* what);
                                   std::vector<py::ssize_t> shape);
 [[nodiscard]] py::object array_of(const Pose& a_from_b);  // 4 x 4
 
-// What simuli.pyi tells of as dicts.
+// Values that simuli.pyi declares as dicts.
 [[nodiscard]] std::map<std::string, Sensor> sensors_of(const SensorRig& rig, bool cameras);
 [[nodiscard]] std::map<std::string, std::vector<std::pair<double, double>>> spans_of(
     const FrameSpans& recorded);
@@ -140,7 +140,7 @@ void add_logs(py::module_& m);
 void add_scenes(py::module_& m);
 void add_training(py::module_& m);
 
-/// A frame in Python. Whatever shows its memory keeps it alive.
+/// A frame in Python; arrays on its memory keep it alive.
 class PyFrame : public std::enable_shared_from_this<PyFrame> {
  public:
   PyFrame(Frame frame, DeviceMutex mutex) : frame_(std::move(frame)), mutex_(std::move(mutex)) {}
@@ -151,7 +151,7 @@ class PyFrame : public std::enable_shared_from_this<PyFrame> {
   [[nodiscard]] const Frame& frame() const { return *frame_; }
   [[nodiscard]] DeviceLock lock() const { return DeviceLock(mutex_); }
 
-  /// Until the device has rendered it; hears Ctrl-C meanwhile. With the device's lock.
+  /// Waits until the device has rendered it; Ctrl-C interrupts. Call it with the device's lock.
   void wait() const;
   [[nodiscard]] py::object tensor(const std::string& name);
   [[nodiscard]] py::object points();

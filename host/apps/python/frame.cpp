@@ -14,7 +14,7 @@ std::vector<py::ssize_t> shape_of(const Sensor& sensor) {
   return {static_cast<py::ssize_t>(sensor.rows()), static_cast<py::ssize_t>(sensor.columns())};
 }
 
-/// What frames have, by the names of their attributes.
+/// Attributes of frames with their documentation.
 constexpr std::pair<const char*, const char*> kArrays[] = {
     {"image", "of cameras: [height, width, 3] in [0, 1]"},
     {"feature", "[rows, columns, 3] as blended: colour, or intensity, hit logit, drop logit"},
@@ -39,7 +39,7 @@ py::object values(PyFrame& frame, const std::string& name) {
   return py::module_::import("numpy").attr("asarray")(frame.tensor(name));
 }
 
-/// What a frame is for most.
+/// Returns the main array of a frame.
 py::object main_tensor(PyFrame& frame) {
   return frame.tensor(frame.frame().sensor().is_camera() ? "image" : "range_m");
 }
@@ -64,7 +64,7 @@ PyFrame::~PyFrame() {
 }
 
 void PyFrame::wait() const {
-  if (Device::is_forked()) return;  // what the host has is read there, too; the rest refuses
+  if (Device::is_forked()) return;  // in a forked child, host data is readable, the rest is refused
   frame().fetch();
   frame().wait();
 }
@@ -100,7 +100,7 @@ std::vector<float> PyFrame::computed(const std::string& name) const {
   return out;
 }
 
-/// What the library has is shown where it is, the rest worked out once.
+/// Returns the library's arrays in place; computes the others once.
 py::object PyFrame::tensor(const std::string& name) {
   std::vector<py::ssize_t> shape = shape_of(frame().sensor());
   const std::vector<float>* values = nullptr;

@@ -65,7 +65,7 @@ class PyLog {
     const Interruption interruption(signals());
     return read_log(folder);
   }
-  /// The one of that index among a sensor's.
+  /// Returns a sensor's frame by index.
   template <class Frame>
   static const Frame& frame_of(const std::vector<Frame>& frames,
                                std::string Frame::*sensor,

@@ -1,5 +1,5 @@
-// import simuli: what the library does, from Python. Arrays are NumPy's, of any version. The package around
-// it is host/apps/python/simuli; its __init__.pyi has the types.
+// import simuli: the library in Python. Arrays are NumPy's, of any version. The Python package is
+// host/apps/python/simuli; its __init__.pyi declares the types.
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -11,7 +11,7 @@ namespace simuli::python {
 namespace {
 
 std::atomic<bool> is_leaving{false};
-std::atomic<int> outside{0};  // threads that have released the GIL and will want it back
+std::atomic<int> outside{0};  // threads that have released the GIL and will take it again
 std::thread::id leaver;
 
 bool is_left_behind() { return is_leaving && std::this_thread::get_id() != leaver; }
@@ -47,7 +47,7 @@ const std::function<void()>& signals() {
 }
 
 void GilRelease::watch_exit() {
-  // The other threads are not in a child.
+  // A forked child does not have the other threads.
   py::module_::import("os").attr("register_at_fork")(py::arg("after_in_child") =
                                                          py::cpp_function([] { outside = 0; }));
   py::module_::import("atexit").attr("register")(py::cpp_function([] {
@@ -62,11 +62,11 @@ void GilRelease::watch_exit() {
 
 PYBIND11_MODULE(_simuli, m) {
   namespace py = pybind11;
-  m.attr("__module__") = "simuli";  // where users find what follows, and what help() calls it
+  m.attr("__module__") = "simuli";  // the name that users and help() see
   m.doc() = "Camera and LiDAR simulation with 3D Gaussians on any OpenCL device";
   m.attr("__version__") = simuli::version();
   static const py::object error = py::exception<simuli::Error>(m, "Error", PyExc_RuntimeError);
-  // MemoryError's and others' messages are C++'s own.
+  // Messages of MemoryError and others are those of the C++ exceptions.
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       std::rethrow_exception(std::move(thrown));

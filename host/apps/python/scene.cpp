@@ -22,7 +22,8 @@ class PyScene {
     rig_ = SensorRig(file_);
     for (const std::string& note : file_.splats.notes()) {
       const std::string text = on_one_line(fmt::format("{}: {}", folder.string(), note));
-      const py::gil_scoped_acquire python;  // the device's lock is waited for without it
+      const py::gil_scoped_acquire
+          python;  // taken here, because the device's lock is awaited without the GIL
       if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) < 0) throw py::error_already_set();
     }
     scene_ = std::make_shared<const Scene>(std::exchange(file_.scene, {}));
@@ -44,7 +45,7 @@ class PyScene {
   [[nodiscard]] std::map<std::string, Sensor> sensors(bool cameras) const {
     return sensors_of(rig_, cameras);
   }
-  /// One that has no place on a rig yet is mounted where the first of its kind is.
+  /// Returns the sensor, mounted as the first of its kind on the rig unless it has a mounting.
   [[nodiscard]] Sensor in_place(const Sensor& sensor) const {
     const Pose& mount = sensor.rig_from_sensor();
     const bool is_mounted =
@@ -77,7 +78,7 @@ class PyScene {
         used, shot_of(used, start, end, time_s, edits_of(edits)), request_of(used, graded, rays, actors));
   }
 
-  /// All are queued, and on their way to the host, before this returns.
+  /// Queues all frames and their transfers to the host before it returns.
   [[nodiscard]] std::vector<std::shared_ptr<PyFrame>> render_batch(const py::object& sensor,
                                                                    const py::object& time_s,
                                                                    const py::object& world_from_sensor,
@@ -155,7 +156,7 @@ class PyScene {
           (!as_many && has_particles_of_actors(s, set))) {
         throw Error(ErrorKind::kUsage, "particles: found another shape than particles() gives");
       }
-      if (!as_many) set.actor.clear();  // what occluders hid is no longer there
+      if (!as_many) set.actor.clear();  // disoccluded Gaussians are removed
       using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
       const Eigen::Map<const Rows> values(given.values.data(), given.shape[0], given.shape[1]);
       set.params = values.cast<float>();
@@ -221,7 +222,7 @@ class PyScene {
   }
 
  private:
-  /// A column-major matrix as NumPy sees it, without a copy.
+  /// Returns a column-major matrix as a NumPy array without a copy.
   static py::object on_matrix(std::shared_ptr<const void> owner, const Eigen::MatrixXf& matrix) {
     constexpr py::ssize_t kReal = sizeof(float);
     return array_on(
@@ -287,7 +288,7 @@ class PyScene {
     shot.edits = edits;
     return shot;
   }
-  /// rays: None, or a flag for each, [rows, columns].
+  /// rays: None, or flags [rows, columns].
   [[nodiscard]] static FrameRequest request_of(const Sensor& sensor,
                                                bool graded,
                                                const py::object& rays,
@@ -313,14 +314,14 @@ class PyScene {
   }
 
   PyDevice device_;
-  SceneFile file_;  // its scene is empty
+  SceneFile file_;  // without its scene
   SensorRig rig_;
   std::shared_ptr<const Scene> scene_;
   ActorCopies copies_;
   std::optional<SceneOnDevice> on_device_;
   RenderOptions options_;
-  std::optional<SupportOnDevice> support_;  // when first asked for
-  std::optional<LabelsOnDevice> labels_;    // of scene_, when first asked for
+  std::optional<SupportOnDevice> support_;  // created on first use
+  std::optional<LabelsOnDevice> labels_;    // for scene_; created on first use
 };
 
 void add_rendering(py::class_<PyScene>& scene) {

@@ -12,7 +12,7 @@
 namespace simuli::python {
 namespace {
 
-/// An OpenCL handle from its number, or from an object of pyopencl's.
+/// Returns an OpenCL handle from its number or from an object of pyopencl.
 template <class Handle>
 Handle handle_of(const py::object& from, const char* what) {
   const py::object number = py::hasattr(from, "int_ptr") ? py::object(from.attr("int_ptr")) : from;
@@ -149,7 +149,7 @@ std::string text_of(const Sensor& s) {
                    "<simuli.Sensor: LiDAR \"{}\", {} beams x {} firings>", s.name(), s.rows(), s.columns());
 }
 
-/// [3, 3] of a camera, px.
+/// Returns a camera's intrinsic matrix [3, 3], px.
 py::object intrinsics_of(const Sensor& s) {
   const Camera& c = s.camera();
   py::list rows;
@@ -159,7 +159,7 @@ py::object intrinsics_of(const Sensor& s) {
   return py::module_::import("numpy").attr("array")(rows);
 }
 
-/// What pickle keeps: the file's text, and what a file does not say.
+/// State for pickle: the sensor file's text, and the properties that a file lacks.
 py::tuple state_of(const Sensor& s) {
   const Pose& mount = s.rig_from_sensor();
   const Eigen::Quaterniond& q = mount.rotation;
@@ -182,7 +182,7 @@ Sensor sensor_of_state(const py::tuple& state) {
   return sensor.named(state[1].cast<std::string>()).with_duration(state[2].cast<double>()).mounted(mount);
 }
 
-/// [n][from] numbers to [n][to].
+/// Converts [n][from] numbers to [n][to].
 template <int from, int to, class F>
 py::object map_rows(const py::object& rows, const char* what, const F& f) {
   const Numbers given = numbers_of(rows, what);
@@ -235,7 +235,7 @@ py::object elevations(const Sensor& s) {
   return array_on(out, out->data(), {static_cast<py::ssize_t>(out->size())});
 }
 
-// An edit as numbers: what it is by ActorEdit::Change's index, and all of its values, to the last bit.
+// An edit as numbers: the index of ActorEdit::Change and all its values, exactly.
 constexpr std::array<const char*, 5> kEdits{"remove", "move", "retime", "retrack", "turn"};
 constexpr std::size_t kOfKey = 14;
 

@@ -24,7 +24,7 @@ py::dict train(const std::filesystem::path& log,
                const std::function<void(int, double)>& progress,
                const py::object& device,
                bool overwrite) {
-  const TrainingOptions options = training_options(quality, settings);  // before anything is read
+  const TrainingOptions options = training_options(quality, settings);  // throws before any file is read
   const PyDevice on = device_of(device);
   std::optional<HeldOutScores> held_out;
   Eigen::Index camera_particles = 0, lidar_particles = 0;

@@ -22,7 +22,7 @@ namespace {
 
 constexpr char kWorldFrame[] = "world";
 
-/// In the world one type holds all of a path's clouds.
+/// Returns the options of clouds; in the world frame all clouds of a trajectory have the same element type.
 CloudOptions cloud_options(const FileOptions& options, const LidarModel& lidar, const Plan& plan) {
   CloudOptions cloud;
   cloud.frame = point_frame(options.cloud_frame.empty() ? kWorldFrame : options.cloud_frame);
@@ -39,7 +39,7 @@ bool has(const std::vector<CameraOutput>& outputs, CameraOutput output) {
   return std::find(outputs.begin(), outputs.end(), output) != outputs.end();
 }
 
-/// [actors] 1, 2, ...: the same for the same kind.
+/// Returns the class of each actor, numbered from 1; actors of one kind share a class.
 std::vector<std::uint16_t> classes_of(const Scene& scene) {
   std::vector<std::string> kinds;
   std::vector<std::uint16_t> out;
@@ -51,7 +51,8 @@ std::vector<std::uint16_t> classes_of(const Scene& scene) {
   return out;
 }
 
-/// x y z (m, in the sensor's axes at the sweep's end), intensity 0 to 255 and ring, from the lowest one on.
+/// Returns a sweep in nuScenes' format: x, y, z (m, in the sensor's axes at the sweep's end), intensity 0 to
+/// 255, and ring, counted from the lowest beam.
 std::string nuscenes_sweep(const Frame& frame) {
   const LidarFrame sweep = frame.lidar();
   const Shot& shot = frame.shot();
@@ -69,7 +70,7 @@ std::string nuscenes_sweep(const Frame& frame) {
   return bytes;
 }
 
-/// "rgb,depth": each once.
+/// Parses "rgb,depth"; each output may occur once.
 std::vector<CameraOutput> parse_outputs(const std::string& text, bool is_camera) {
   std::vector<CameraOutput> outputs;
   for (const std::string& name : split(text, ',')) {
@@ -91,7 +92,8 @@ bool is_flow(CameraOutput output) {
   return output == CameraOutput::kFlow || output == CameraOutput::kSceneFlow;
 }
 
-/// KITTI's of Flow::pixels: 64ths of pixels from -512 on, and whether they are valid. What is farther is not.
+/// Converts Flow::pixels to KITTI's encoding: 64ths of a pixel from -512, and a validity flag. Vectors beyond
+/// its range are invalid.
 Image kitti_flow(Image flow) {
   for (std::size_t i = 0; i < flow.data.size(); i += 3) {
     float* const pixel = &flow.data[i];
@@ -104,7 +106,7 @@ Image kitti_flow(Image flow) {
   return flow;
 }
 
-/// Metres and directions are no shares of 255.
+/// Throws Error{kUsage} for outputs in metres or directions, which cannot be stored as shares of 255.
 void need_shares(const std::vector<CameraOutput>& outputs) {
   for (const CameraOutput output : outputs) {
     if (output == CameraOutput::kRgb || output == CameraOutput::kActors || output == CameraOutput::kOpacity ||
@@ -114,7 +116,7 @@ void need_shares(const std::vector<CameraOutput>& outputs) {
   }
 }
 
-/// Actors in 16 bits, the others as they are.
+/// Adds an array; actor numbers are stored in 16 bits, other values unchanged.
 void add_array(Npz& arrays, const std::string& name, const Image& image, ColumnType type) {
   std::string bytes;
   for (const float value : image.data) {

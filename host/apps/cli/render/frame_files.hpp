@@ -1,5 +1,5 @@
 #pragma once
-// What a rendered frame becomes on disk: pictures of cameras, clouds and range pictures of LiDARs.
+// Files of rendered frames: pictures of cameras, clouds and range pictures of LiDARs.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -15,50 +15,50 @@
 
 namespace simuli::cli {
 
-/// As asked for on the command line.
+/// Options as given on the command line.
 struct FileOptions {
   std::string images = "png";
   std::string clouds = "ply";
-  std::string cloud_frame;      // empty: world; of recordings sensor
-  std::string outputs = "rgb";  // camera_output_names(), parted by commas
-  std::string values = "exr";   // of all outputs but pictures
-  bool mark_unseen = false;     // in pictures, what no recorded camera faced
+  std::string cloud_frame;      // empty: world; in recordings: sensor
+  std::string outputs = "rgb";  // camera_output_names(), comma-separated
+  std::string values = "exr";   // format of all outputs except pictures
+  bool mark_unseen = false;     // mark pixels of pictures that no recorded camera faced
   std::string labels;           // json, kitti, coco or nuscenes; empty: none
 };
 
 void add_file_options(Command sub, FileOptions& options);
 
-/// What tells of the frames of a scene what they don't: all of them outlive who uses it.
+/// Sources of additional outputs of a scene's frames. They must outlive FrameFiles.
 struct FrameSources {
   const Scene& scene;
   const ActorCopies& copies;
-  SupportOnDevice* support = nullptr;  // where needs_support()
-  LabelsOnDevice* labels = nullptr;    // with labels
+  SupportOnDevice* support = nullptr;  // only if needs_support()
+  LabelsOnDevice* labels = nullptr;    // only with labels
 };
 
 /// Writes the files of one sensor's frames.
 class FrameFiles {
  public:
-  /// `recorded` marks what these did not face and must outlive this; null: nothing is marked. Error{kUsage}
-  /// for outputs that there are not, or not of this sensor, or not as these values.
+  /// `recorded`: pixels outside these views are marked; null: no marks. Must outlive this object. Throws
+  /// Error{kUsage} for outputs that are unknown, not of this sensor, or not available in this format.
   FrameFiles(const FileOptions& options,
              const Sensor& sensor,
              const Plan& plan,
              const RecordedViews* recorded);
 
-  /// What frames are to be rendered with.
+  /// Returns the request with which frames must be rendered.
   [[nodiscard]] FrameRequest request() const {
     return request_for(outputs_, {.camera_median = recorded_ != nullptr, .actors = !options_.labels.empty()});
   }
   [[nodiscard]] bool needs_support() const;
-  /// Files "STEM..." into the folder; returns the frame with their names and its labels. `next`: the shot
-  /// that flow leads to; null: there is none.
+  /// Writes the files "STEM..." of a frame into the folder. Returns the frame's record with file names and
+  /// labels. `next`: the shot that flow refers to; null: no flow.
   [[nodiscard]] FrameRecord write(const Frame& frame,
                                   const std::filesystem::path& folder,
                                   const std::string& stem,
                                   const FrameSources& sources,
                                   const Shot* next) const;
-  /// Says in the record what the files hold.
+  /// Adds a description of the files to the record.
   void describe(FramesRecord& record, const Scene& scene) const;
 
  private:
@@ -81,8 +81,8 @@ class FrameFiles {
   const RecordedViews* recorded_;
 };
 
-/// As a picture: what a camera saw, with what `recorded` did not face marked, unless it is null; or a LiDAR's
-/// ranges as colours.
+/// Returns a frame as a picture: a camera's colours, with pixels outside the views of `recorded` marked unless
+/// it is null, or a LiDAR's ranges as colours.
 [[nodiscard]] Image shown(const Frame& frame, const RecordedViews* recorded);
 
 }  // namespace simuli::cli

@@ -15,7 +15,7 @@ namespace {
 
 constexpr char kRecorded[] = "recorded";
 
-/// How long one frame takes when it is not a recorded one.
+/// Returns the duration of a frame that was not recorded.
 double duration_of(const Sensor& sensor, const PlanOptions& options) {
   if (options.duration_s >= 0.0) return options.duration_s;
   const bool is_known =
@@ -39,12 +39,12 @@ std::vector<double> parse_times(const std::string& text) {
   const bool allowed = t[2] > 0.0 && t[1] >= t[0] && steps < kMostFrames;
   if (!allowed) refuse("--times", text, "t0:t1:dt with t0 <= t1, dt > 0 and less than a million frames");
   std::vector<double> times;
-  // A hair more of a step, so that 0:1:0.1 includes 1.
+  // A small fraction of a step, so that 0:1:0.1 includes 1.
   for (int i = 0; i <= steps + 1e-6; ++i) times.push_back(t[0] + i * t[2]);
   return times;
 }
 
-/// When they were recorded. What another sensor takes, or --duration says, goes before what was recorded.
+/// Returns the recorded times of a sensor's frames. Options of another sensor and --duration take precedence.
 std::vector<FrameSpan> recorded_spans(const SensorRig& recorded,
                                       const RigSensor& asked,
                                       const PlanOptions& options) {
@@ -55,7 +55,7 @@ std::vector<FrameSpan> recorded_spans(const SensorRig& recorded,
   return spans;
 }
 
-/// Makes them those that --frames asks for.
+/// Keeps the spans that --frames selects.
 void select_spans(Plan& plan, const std::string& frames) {
   if (frames.empty()) return;
   const std::vector<FrameSpan> all = plan.spans;
@@ -72,7 +72,7 @@ void select_spans(Plan& plan, const std::string& frames) {
   plan.first = static_cast<std::size_t>(a);
 }
 
-/// The same path `rate` times as fast from its start on.
+/// Returns the trajectory driven `rate` times as fast, from the same start.
 Trajectory driven(const Trajectory& path, double rate) {
   std::vector<TimedPose> poses = path.poses();
   const double start_s = path.start_s();
@@ -80,7 +80,7 @@ Trajectory driven(const Trajectory& path, double rate) {
   return Trajectory(std::move(poses));
 }
 
-/// Frames that end before the path does.
+/// Returns the frames that end before the trajectory does.
 std::vector<FrameSpan> spans_within(const std::vector<FrameSpan>& spans, const Trajectory& path) {
   std::vector<FrameSpan> within;
   for (const FrameSpan& span : spans) {

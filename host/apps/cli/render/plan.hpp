@@ -1,5 +1,5 @@
 #pragma once
-// Which frames `simuli render` renders: the path, and every frame's start and end on it.
+// Selection of frames for `simuli render`: the trajectory, and each frame's start and end time.
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,13 +15,13 @@
 
 namespace simuli::cli {
 
-/// As asked for on the command line.
+/// Options as given on the command line.
 struct PlanOptions {
   std::string trajectory = "recorded";
   std::string times;         // t0:t1:dt, s
   std::string frames;        // a:b
-  double duration_s = -1.0;  // of one frame; below 0: as the sensor says
-  double speed = 1.0;        // of the rig over the recorded
+  double duration_s = -1.0;  // of one frame; negative: the sensor's
+  double speed = 1.0;        // factor on the ego vehicle's speed
 };
 
 void add_plan_options(Command sub, PlanOptions& options);
@@ -29,24 +29,25 @@ void add_plan_options(Command sub, PlanOptions& options);
 struct Plan {
   Trajectory world_from_rig;
   std::vector<FrameSpan> spans;
-  std::size_t first = 0;  // number of the first span's frame
+  std::size_t first = 0;  // number of the frame of the first span
 
   [[nodiscard]] Shot shot(const Sensor& sensor, std::size_t i) const;
 };
 
-/// A path, and what was recorded along it.
+/// A trajectory and the frames that were recorded along it.
 struct Drive {
-  std::string source;  // the folder that it is of
+  std::string source;  // folder of the scene or the log
   Trajectory world_from_rig;
   SensorRig recorded;
   std::optional<std::int64_t> start_ns = {};  // of a log: nanoseconds since 1970 of its time 0
 };
 
-/// The path of --trajectory: that of the scene in the folder `scene`, or a log's. Error{kInput} where there
-/// is none.
+/// Returns the trajectory of --trajectory: that of the scene in the folder `scene`, or a log's. Throws
+/// Error{kInput} without a trajectory.
 [[nodiscard]] Drive read_drive(const std::string& scene, const SceneFile& file, const PlanOptions& options);
 
-/// The frames of `sensor`. Error{kUsage} for options that can't be, Error{kInput} where there is no frame.
+/// Returns the frames of `sensor`. Throws Error{kUsage} for contradicting options, Error{kInput} without any
+/// frame.
 [[nodiscard]] Plan make_plan(const Drive& drive, const RigSensor& sensor, const PlanOptions& options);
 
 }  // namespace simuli::cli

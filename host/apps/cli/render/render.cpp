@@ -49,15 +49,15 @@ struct RenderCommand {
   std::string output;
   FileOptions files;
   bool as_log = false;
-  std::int64_t start_ns = -1;  // of a recording; below 0: as the log says, or usual_start_ns()
-  double frames_per_s = 0.0;   // of a video; 0: as the frames follow each other
+  std::int64_t start_ns = -1;  // of a recording; negative: the log's, or usual_start_ns()
+  double frames_per_s = 0.0;   // of a video; 0: from the frames' times
   std::vector<std::string> settings;
 };
 
-/// Frames per second of videos: others no player shows, nor does ffmpeg write them.
+/// Frames per second of videos; ffmpeg and players support no other rates.
 constexpr double kLeastRate = 0.01, kMostRate = 1000.0;
 
-/// Of the video: as asked for, or as the frames follow each other.
+/// Returns the requested frame rate of a video, or the rate of the frames' times.
 double frame_rate(const Plan& plan, const RenderCommand& command) {
   if (command.frames_per_s > 0.0) return command.frames_per_s;
   constexpr double kUsual = 10.0;
@@ -67,7 +67,7 @@ double frame_rate(const Plan& plan, const RenderCommand& command) {
   return seconds > 0.0 ? std::clamp(rate, kLeastRate, kMostRate) : kUsual;
 }
 
-/// All but the frames.
+/// Returns the record of the rendered frames, without the frames.
 FramesRecord record_of(const RenderCommand& command,
                        const Globals& globals,
                        const RenderOptions& options,
@@ -90,7 +90,7 @@ FramesRecord record_of(const RenderCommand& command,
   return record;
 }
 
-/// Where the scene's cameras looked, if that is to be told; else nothing.
+/// Returns the views of the scene's cameras if unseen pixels are to be marked; null otherwise.
 std::unique_ptr<const RecordedViews> recorded_views(const RenderCommand& command, const SceneFile& file) {
   if (!command.files.mark_unseen) return nullptr;
   auto views = std::make_unique<const RecordedViews>(file);
@@ -101,10 +101,10 @@ std::unique_ptr<const RecordedViews> recorded_views(const RenderCommand& command
   return views;
 }
 
-/// What the frames become.
+/// Kind of the output.
 enum class OutputKind { kFolder, kFolders, kLog, kVideo, kRecording };
 
-/// Of options that do not go together Error{kUsage}.
+/// Throws Error{kUsage} for contradicting options.
 OutputKind kind_of(const RenderCommand& command) {
   const std::string quoted = '"' + command.output + '"';
   const bool is_file = is_bag(command.output) || is_video(command.output);
@@ -146,7 +146,7 @@ OutputKind kind_of(const RenderCommand& command) {
   return has_many ? OutputKind::kFolders : OutputKind::kFolder;
 }
 
-/// One sensor, and its frames.
+/// A sensor and its frames.
 struct SensorPlan {
   Sensor sensor;
   Plan plan;
@@ -160,7 +160,7 @@ std::vector<SensorPlan> views_of(const Drive& drive, const SceneFile& file, cons
   return views;
 }
 
-/// Error{kUsage} for options of clouds where none is written.
+/// Throws Error{kUsage} for options of clouds if no cloud is written.
 void need_clouds(const FileOptions& files, const std::vector<SensorPlan>& views) {
   if (std::any_of(views.begin(), views.end(), [](const SensorPlan& v) { return !v.sensor.is_camera(); }))
     return;
@@ -174,7 +174,7 @@ fs::path folder_of(const SensorPlan& view, OutputKind kind, const fs::path& outp
   return kind == OutputKind::kFolders ? output / view.sensor.name() : output;
 }
 
-/// Pictures or clouds, and frames.json, into a folder that there is.
+/// Writes pictures or clouds, and frames.json, into an existing folder.
 template <class OnFrame>
 FramesRecord write_frames(SceneOnDevice& scene,
                           const SensorPlan& view,
@@ -201,7 +201,7 @@ FramesRecord write_frames(SceneOnDevice& scene,
   return record;
 }
 
-/// Says which actors KITTI has no class for.
+/// Warns of actors for which KITTI has no class.
 void warn_of_kitti(const std::vector<Actor>& actors) {
   for (const Actor& actor : actors) {
     if (has_label_class(actor.kind, LabelNames::kKitti)) continue;
@@ -275,7 +275,7 @@ void write_rendered_log(SceneOnDevice& scene,
   });
 }
 
-/// In the order of the frames' starts, over all sensors.
+/// Writes the frames of all sensors in the order of their start times.
 void write_rendered_bag(SceneOnDevice& scene,
                         const std::vector<SensorPlan>& views,
                         std::optional<std::int64_t> start_ns,
@@ -345,8 +345,8 @@ void print_outcome(const RenderCommand& command,
   std::cout << json_text(out) << '\n';
 }
 
-/// Whether a sensor of a frame may see some of the actor: of a camera a corner or the middle of its box in the
-/// picture, of a LiDAR within its range.
+/// Whether a sensor may see part of an actor during a frame: for a camera, a corner or the centre of its box is
+/// in the picture; for a LiDAR, the box is within range.
 bool may_see(const Sensor& sensor, const Shot& shot, const Actor& actor) {
   if (!actor.is_there(shot.time_start_s)) return false;
   const Pose sensor_from_actor = shot.world_from_sensor_start.inverse() * actor.at(shot.time_start_s);
@@ -366,10 +366,10 @@ bool may_see(const Sensor& sensor, const Shot& shot, const Actor& actor) {
   return false;
 }
 
-/// Tells of actors that edits have put in and that no frame shows.
+/// Warns of actors that were added by edits and are visible in no frame.
 void print_unseen(const std::vector<Actor>& recorded,
-                 const std::vector<Actor>& actors,
-                 const std::vector<SensorPlan>& views) {
+                  const std::vector<Actor>& actors,
+                  const std::vector<SensorPlan>& views) {
   for (const Actor& actor : actors) {
     if (has_actor(recorded, actor.name)) continue;
     const bool is_seen = std::any_of(views.begin(), views.end(), [&](const SensorPlan& view) {

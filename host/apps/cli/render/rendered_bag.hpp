@@ -1,5 +1,5 @@
 #pragma once
-// Rendered frames as a recording of ROS 2: io/ros2/recording.hpp says what is in it.
+// Rendered frames as a ROS 2 recording (io/ros2/recording.hpp).
 #include <cstdint>
 #include <filesystem>
 
@@ -10,18 +10,18 @@
 
 namespace simuli::cli {
 
-/// Whether a file of this name is a recording: .mcap.
+/// Whether a file of this name is a recording (.mcap).
 [[nodiscard]] bool is_bag(const std::filesystem::path& file);
 
-/// Error{kUsage} for options that are of folders alone.
+/// Throws Error{kUsage} for options that apply to folders only.
 void need_options_of_bags(const FileOptions& options);
 
-/// Zstandard where the build has it.
+/// Writes a recording, compressed with Zstandard if the build supports it.
 class RenderedBag {
  public:
   RenderedBag(const std::filesystem::path& file, Ros2Drive drive, const FileOptions& options);
 
-  /// Frames in the order of their starts; `recorded` as of shown().
+  /// Adds a frame; frames must be in the order of their start times. `recorded` as in shown().
   void add(const Frame& frame, const RecordedViews* recorded);
   void finish() { recording_.finish(); }
 

@@ -7,7 +7,7 @@
 namespace simuli::cli {
 namespace {
 
-/// The track with what was learned as part of its poses.
+/// Returns the actor with learned corrections included in its track.
 Actor as_seen(Actor actor) {
   for (KeyPose& key : actor.track) key = {key.time_s, key.corrected()};
   return actor;

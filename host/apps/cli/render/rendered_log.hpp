@@ -1,5 +1,5 @@
 #pragma once
-// Rendered frames as a log: what `train` and `eval` read.
+// Rendered frames as a log for `train` and `eval`.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -10,17 +10,17 @@
 
 namespace simuli::cli {
 
-/// A drive through a scene as its sensors recorded it. Actors are where the scene has them, what training
-/// learned of their tracks included.
+/// Writes a drive through a scene as a log. Actors have the poses of the scene, including corrections learned
+/// in training.
 class RenderedLog {
  public:
-  /// Of sensors with names of their own. Makes images/ and sweeps/ in the folder, which is there.
+  /// The sensors must have unique names. Creates images/ and sweeps/ in the existing folder.
   RenderedLog(const std::filesystem::path& folder,
               const Scene& scene,
               const Trajectory& world_from_rig,
               const std::vector<Sensor>& sensors);
 
-  /// Writes the picture ("png", "exr") or sweep of the sensor's frame of that number.
+  /// Writes the picture ("png", "exr") or sweep of frame `number` of the sensor.
   void add(const Frame& frame, std::size_t number, const std::string& images);
   /// Writes log.json.
   void finish();

@@ -8,7 +8,7 @@
 namespace simuli::cli {
 namespace {
 
-/// A curve of each sensor: one value of each of its frames.
+/// Returns one curve per sensor, with one value per frame.
 template <class Score, class Value>
 std::vector<ChartSeries> by_sensor(const std::vector<Score>& scores, const Value& value) {
   std::vector<ChartSeries> series;

@@ -1,11 +1,11 @@
 #pragma once
-// Errors frame by frame and by range, as curves.
+// Errors by frame and by range, as curves.
 #include "host/apps/cli/draw/html_report.hpp"
 #include "optim/eval/evaluation.hpp"
 
 namespace simuli::cli {
 
-/// Parts of a report: errors over the drive, a curve for each sensor, and errors by range.
+/// Adds errors along the drive, one curve per sensor, and errors by range to a report.
 void add_curves(HtmlReport& html, const EvalReport& report);
 
 }  // namespace simuli::cli

@@ -1,5 +1,5 @@
 #pragma once
-// The scores of an evaluation as tables and as JSON.
+// Scores of an evaluation as tables and as JSON.
 #include <string>
 #include <vector>
 

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures that show a scene's frame beside the recorded one.
+// Pictures of a rendered frame beside the recorded one.
 #include <cstddef>
 #include <vector>
 
@@ -8,14 +8,14 @@
 
 namespace simuli::cli {
 
-/// Ranges as colours.
+/// Returns ranges as colours.
 [[nodiscard]] PicturePair range_pictures(const LidarModel& lidar, const LidarPair& sweep);
 
-/// |rendered - recorded| of each pixel, mean over the channels, kErrorGain times as bright.
+/// Returns |rendered - recorded| of each pixel, averaged over the channels, kErrorGain times as bright.
 [[nodiscard]] Image error_picture(const PicturePair& pair);
 inline constexpr float kErrorGain = 4.0F;
 
-/// At most `count` of `frames`, evenly spread.
+/// Returns at most `count` of `frames`, evenly spaced.
 [[nodiscard]] std::vector<std::size_t> some_of(const std::vector<std::size_t>& frames, std::size_t count);
 
 }  // namespace simuli::cli

@@ -33,7 +33,7 @@ std::string count_text(Eigen::Index count) {
   return fmt::format("{:.1f} k", static_cast<double>(count) / 1e3);
 }
 
-/// What is asked for first, above the pictures.
+/// Adds the most important scores, above the pictures.
 void add_scores(HtmlReport& html, const EvalReport& report) {
   const HeldOutScores scores = scores_of(report);
   std::vector<HtmlReport::Fact> facts;
@@ -66,7 +66,7 @@ std::vector<double> scaled(std::vector<double> values, double factor) {
   return values;
 }
 
-/// "key=value" each.
+/// Splits "key=value" lines into rows.
 std::vector<std::vector<std::string>> setting_rows(const std::vector<std::string>& lines) {
   std::vector<std::vector<std::string>> rows;
   for (const std::string& line : lines) {
@@ -182,7 +182,7 @@ void add_sweeps(HtmlReport& html, Evaluation& evaluation) {
   }
 }
 
-/// Milliseconds of each kernel of one frame, the most expensive first.
+/// Returns the time of each kernel of one frame in ms, the slowest first.
 std::vector<std::vector<std::string>> kernel_times(SceneOnDevice& scene,
                                                    const Sensor& sensor,
                                                    const Shot& shot) {

@@ -1,5 +1,5 @@
 #pragma once
-// What a training or an evaluation came to, as one HTML file.
+// Report of a training or an evaluation as one HTML file.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -8,23 +8,23 @@
 
 namespace simuli::cli {
 
-/// A training and how it went.
+/// A training and its history.
 struct TrainedReport {
   TrainingReport report;
   TrainHistory history;
 };
 
-/// What a report says beside its numbers.
+/// Texts of a report.
 struct ReportText {
   std::string title;
-  std::vector<std::string> edits = {};     // of the scene, as they were given
-  const TrainedReport* trained = nullptr;  // where it was trained just now
+  std::vector<std::string> edits = {};     // edits of the scene, as given
+  const TrainedReport* trained = nullptr;  // if the scene was trained by this command
 };
 
-/// What matters most, pictures and sweeps beside what was recorded, what nobody recorded (a point cloud to
-/// turn, depth, another lane, another lens and LiDAR, an actor gone), metrics, errors over the drive and by
-/// range, curves of the training, all settings, the time of each kernel of a frame, the LiDAR's tiles. Renders
-/// what it shows, on the device that `globals` asks for. Atomic; Error{kInput} when the file can't be written.
+/// Writes a report: main scores, rendered beside recorded pictures and sweeps, unrecorded views (an interactive
+/// point cloud, depth, another lane, another lens and LiDAR, an actor removed), metrics, errors along the drive
+/// and by range, training curves, settings, kernel times of a frame, LiDAR tiles. Renders its pictures on the
+/// device of `globals`. Atomic; throws Error{kInput} if the file cannot be written.
 void write_report(const std::filesystem::path& file,
                   const ReportText& text,
                   const Globals& globals,

@@ -13,7 +13,7 @@
 namespace simuli::cli {
 namespace {
 
-/// With rows that fire at azimuths of their own; the first that the log does not have.
+/// LiDARs whose beams fire at different azimuths; the report uses the first that the log lacks.
 constexpr std::array kOthers{"ouster_os1_128@1024x10", "hesai_xt32"};
 
 CloudLayer layer_of(const std::string& name,
@@ -33,7 +33,7 @@ CloudLayer layer_of(const std::string& name,
   return layer;
 }
 
-/// Of the actors that are there when the shot begins.
+/// Returns the boxes of the actors that are present when the shot begins.
 std::vector<CloudBox> boxes_of(const std::vector<Actor>& actors,
                                const Shot& shot,
                                const Pose& rig_from_lidar) {

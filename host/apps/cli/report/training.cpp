@@ -44,7 +44,8 @@ ProgressNote status_note(const TrainStatus& s, const MemoryUse& memory) {
            {"device_bytes", static_cast<double>(memory.now)}}};
 }
 
-/// Of a training that decides how long it goes on: what it may come to. Its progress tells of the stage.
+/// Adds the estimated remaining time of a training of automatic length to its progress, which covers the
+/// current stage only.
 class Outlook {
  public:
   explicit Outlook(const Training& training)
@@ -69,7 +70,7 @@ class Outlook {
   Stopwatch watch_;
 };
 
-/// Keeps some of the states of a training, and writes them for TensorBoard when asked to.
+/// Records states of a training at intervals, and writes them for TensorBoard if requested.
 class Recorder {
  public:
   Recorder(TrainHistory& history, int iterations, const std::filesystem::path& event_folder)
@@ -133,13 +134,13 @@ std::string plan_text(const ChunkPlan& plan) {
       static_cast<double>(plan.device_bytes) * 1e-9);
 }
 
-/// Hands the training's newest scene to the viewer, as long as somebody looks.
+/// Passes the newest scene of a training to the viewer while a page requests it.
 class LiveScene {
  public:
   LiveScene(LivePage* view, const Training& training) : view_(view), training_(training) {
     update(training.status(), true);
   }
-  /// `at_once`: whoever looks and however little time has passed.
+  /// `at_once`: also if no page requests it or little time has passed.
   void update(const TrainStatus& status, bool at_once = false) {
     if (view_ == nullptr) return;
     view_->set_progress({status.iteration < status.planned, status, status.planned});
@@ -166,7 +167,7 @@ class LiveScene {
                                 checkpoints.file.string()));
 }
 
-/// The unit of a share, or that there is nothing to have a share of.
+/// Returns the unit of a share, or a note that the share is undefined.
 const char* share_of(const char* unit, double value) {
   return std::isfinite(value) ? unit : "undefined: there are none";
 }
@@ -198,7 +199,7 @@ TrainHistory run_training(Training& training,
     training.prepare(tell);
   }
   stages.finish();
-  // Not before it is ready: a request that is refused leaves one line.
+  // Printed only once the training is ready, so that a refused request prints a single line.
   if (style == ProgressStyle::kBar || style == ProgressStyle::kLines) {
     if (const double saved_s = training.report().start.saved_s; saved_s > 0.0)
       std::cerr << fmt::format("simuli: the start is kept from before: {} saved\n", format_duration(saved_s));
@@ -209,7 +210,7 @@ TrainHistory run_training(Training& training,
   }
   TrainHistory history;
   const auto planned = [&training] { return static_cast<std::uint64_t>(training.status().planned); };
-  // The first iteration compiles what is not in a cache: its time tells nothing of the others'.
+  // The first iteration compiles kernels that are not cached; its time is not representative.
   bool compiles = training.status().iteration < training.status().planned;
   if (compiles) stages.update("compile kernels", 0, 1);
   std::uint64_t end = planned();
@@ -230,7 +231,7 @@ TrainHistory run_training(Training& training,
                   progress->start_at(static_cast<std::uint64_t>(status.iteration));
                   outlook.start_at(status.iteration);
                 }
-                if (planned() != end) {  // a training that decides how long it goes on: a bar of its own
+                if (planned() != end) {  // a training of automatic length has a progress bar per stage
                   progress->finish();
                   end = planned();
                   progress.emplace("train on", end, style);

@@ -1,5 +1,5 @@
 #pragma once
-// Trainings and evaluations as the commands train, eval and demo show them: progress and text.
+// Trainings and evaluations of the commands train, eval and demo: progress and text.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -14,7 +14,7 @@ namespace simuli::cli {
 
 class LivePage;
 
-/// How a training went, at most kPoints times of it. One value each per point; NaN: not known yet.
+/// History of a training at up to kPoints iterations. Each vector has one value per point; NaN: not known yet.
 struct TrainHistory {
   static constexpr int kPoints = 400;
   std::vector<double> iteration;
@@ -26,36 +26,37 @@ struct TrainHistory {
   std::vector<double> device_bytes;
 };
 
-/// What a training does beside: for all who look on.
+/// Outputs of a training besides its scene.
 struct TrainOutputs {
   Checkpoints checkpoints;
-  bool resume = false;                 // from checkpoints.file, if it is there
-  std::filesystem::path event_folder;  // TensorBoard's; empty: none
-  LivePage* view = nullptr;            // who shows it; may be nobody
-  std::string frames = {};             // of each sensor, told before the first step; empty: not told
-  Ranks* ranks = &one_rank();          // the training's; only the first one shows and warns
+  bool resume = false;                 // from checkpoints.file, if it exists
+  std::filesystem::path event_folder;  // for TensorBoard; empty: none
+  LivePage* view = nullptr;            // viewer; null: none
+  std::string frames = {};     // frames of each sensor, printed before the first step; empty: not printed
+  Ranks* ranks = &one_rank();  // ranks of the training; only the first one prints
 };
 
-/// Prepares and runs a training, with progress on stderr. A warning line tells of rejected
-/// gradients, of an early stop and of what judge() says; Error{kNumeric} for what it calls a failure. With
-/// checkpoints a signal to any rank leaves it as Interrupted in all of them, its state stored.
+/// Prepares and runs a training, with progress on stderr. Prints one warning line each for rejected gradients,
+/// an early stop and warnings of judge(); throws Error{kNumeric} for failures of judge(). With checkpoints, a
+/// signal to any rank stores the state and throws Interrupted in all ranks.
 TrainHistory run_training(Training& training,
                           const Device& device,
                           const Globals& globals,
                           const TrainOutputs& outputs = {});
 
-/// Training::result(), which renders the training frames and fills what was hidden, as a stage of its own.
+/// Returns Training::result(), with progress as a stage of its own: it renders the training frames and inpaints
+/// disocclusions.
 [[nodiscard]] SceneFile trained_scene(Training&& training, const Globals& globals);
 
-/// The same for an evaluation; of a scene that was trained just now with the folder it is in, which keeps its
-/// scores.
+/// Runs an evaluation with progress. For a scene that was trained by this command, `folder` is its folder,
+/// which stores the scores.
 [[nodiscard]] EvalReport run_evaluation(Evaluation& evaluation,
                                         const Globals& globals,
                                         const std::filesystem::path& scene = {});
 
 [[nodiscard]] std::vector<ScoreLine> metric_lines(const EvalReport& report);
-/// On stdout, as a table with units or as JSON with units in the key names; `scene` says how it was made;
-/// `support`: where it was asked for.
+/// Prints a report to stdout, as a table with units or as JSON with units in the key names. `scene` provides
+/// the training record; `support`: if requested.
 void print_eval(const EvalReport& report,
                 const SceneFile& scene,
                 bool json,

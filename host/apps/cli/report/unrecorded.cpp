@@ -20,10 +20,10 @@
 namespace simuli::cli {
 namespace {
 
-constexpr std::array kLaneShifts_m{2.0, -2.0};  // to the left
-constexpr double kAside_m = 3.0;                // of an actor
+constexpr std::array kLaneShifts_m{2.0, -2.0};  // m to the left
+constexpr double kAside_m = 3.0;                // distance from an actor
 
-/// A recorded picture as it is to be taken again.
+/// A recorded picture to render again.
 struct Take {
   const ImageFrame* frame;
   Sensor camera;
@@ -38,7 +38,7 @@ Take take_of(const Evaluation& evaluation, const ImageFrame& frame) {
           shot_of(log, frame)};
 }
 
-/// Of the log's first camera that has any among the compared ones.
+/// Returns the compared frames of the log's first camera that has any.
 std::vector<const ImageFrame*> frames_of_first_camera(const Evaluation& evaluation) {
   const Log& log = evaluation.log();
   for (const LogCamera& camera : log.cameras) {
@@ -51,7 +51,7 @@ std::vector<const ImageFrame*> frames_of_first_camera(const Evaluation& evaluati
   return {};
 }
 
-/// Adds a picture, with what no recorded camera faced marked.
+/// Adds a picture, with pixels marked that no recorded camera faced.
 class Album {
  public:
   Album(HtmlReport& html, const Evaluation& evaluation, SceneOnDevice& scene)
@@ -83,7 +83,7 @@ class Album {
   RecordedViews views_;
 };
 
-/// An actor, and the picture in which it is largest.
+/// An actor and the picture in which it is largest.
 struct Appearance {
   std::string actor;
   const ImageFrame* frame = nullptr;
@@ -144,7 +144,7 @@ void add_edits(Album& album, const Evaluation& evaluation, const Appearance& see
                         -kAside_m));
 }
 
-/// A wide lens in the place of the camera, unless that is one itself.
+/// Adds a wide lens in place of the camera, unless the camera has one.
 void add_lens(Album& album, const Take& take, const std::string& name) {
   constexpr double kWide_rad = 150.0 / 180.0 * std::numbers::pi;
   constexpr const char* kLens = "gsplat_camera_front_fisheye_140fov";

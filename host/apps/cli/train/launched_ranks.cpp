@@ -46,7 +46,7 @@ class MpiRanks final : public LaunchedRanks {
     others_.resize(size_);
     messages_.assign(size_, own);
     for (std::size_t from = 0; from < size_; ++from) {
-      void* data = const_cast<std::byte*>(own.data());  // who sends is not written to
+      void* data = const_cast<std::byte*>(own.data());  // MPI does not write to the sender's data
       if (from != rank_) {
         others_[from].resize(counts[from]);
         messages_[from] = others_[from];
@@ -64,11 +64,11 @@ class MpiRanks final : public LaunchedRanks {
   }
   const MpiCalls& calls_;
   std::size_t rank_ = 0, size_ = 1;
-  std::vector<Bytes> others_;  // their memory is used again
+  std::vector<Bytes> others_;  // their memory is reused
   std::vector<Message> messages_;
 };
 
-/// The number in a variable; nothing where it is not set.
+/// Returns the number in a variable; no value if it is not set.
 std::optional<std::size_t> number_in(const Environment& environment, const char* name) {
   const char* const text = environment(name);
   if (text == nullptr || *text == '\0') return std::nullopt;
@@ -84,7 +84,7 @@ std::optional<std::size_t> number_in(const Environment& environment, const char*
 #ifdef SIMULI_MPI_MODULE
 const MpiCalls& mpi() {
   const fs::path module = fs::read_symlink("/proc/self/exe").parent_path() / SIMULI_MPI_MODULE;
-  // What MPI loads by itself looks for MPI's symbols among everybody's.
+  // Components that MPI loads need MPI's symbols in the global namespace.
   void* const handle = dlopen(module.c_str(), RTLD_NOW | RTLD_GLOBAL);
   if (handle == nullptr) fail(dlerror());
   auto* const calls = reinterpret_cast<SimuliMpiCalls*>(dlsym(handle, "simuli_mpi_calls"));
@@ -102,7 +102,7 @@ LauncherRank rank_in(const Environment& environment) {
     const char* rank;
     const char* size;
   };
-  // PMIX_RANK last: launchers that set it and another pair say the size there.
+  // PMIX_RANK is last: launchers that set it together with another pair specify the size in that pair.
   for (const Launcher& launcher : {Launcher{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
                                    Launcher{"PMI_RANK", "PMI_SIZE"},
                                    Launcher{"PMIX_RANK", "SLURM_NTASKS"}}) {

@@ -1,5 +1,5 @@
 #pragma once
-// The processes that a launcher of MPI has started, for one training.
+// Processes of an MPI launcher that share one training.
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -10,33 +10,33 @@
 
 namespace simuli::cli {
 
-/// The value of an environment variable; null where there is none.
+/// Returns the value of an environment variable; null if it is not set.
 using Environment = std::function<const char*(const char* name)>;
 
 struct LauncherRank {
-  std::size_t index = 0;  // below count
+  std::size_t index = 0;  // less than count
   std::size_t count = 1;
 };
-/// The rank of mpirun or srun that this is (OMPI_COMM_WORLD_RANK and _SIZE; PMI_RANK and PMI_SIZE; PMIX_RANK,
-/// with SLURM_NTASKS); one of one without them. Error{kUsage} for what does not fit together.
+/// Returns this process's rank under mpirun or srun (OMPI_COMM_WORLD_RANK and _SIZE; PMI_RANK and PMI_SIZE;
+/// PMIX_RANK with SLURM_NTASKS); rank 0 of 1 without them. Throws Error{kUsage} for contradicting values.
 [[nodiscard]] LauncherRank rank_in(const Environment& environment);
 
-/// Exit code of ranks that can't give the same bits.
+/// Exit code of ranks that cannot produce the same bits.
 inline constexpr int kRanksDifferExit = 7;
 
-/// Ranks by MPI. A rank that ends without finish() takes the others with it: the launcher ends them.
+/// Ranks by MPI. If a rank ends without finish(), the launcher ends all ranks.
 class LaunchedRanks : public Ranks {
  public:
-  /// Behind everything else, however it went as long as all ranks know: lets the process end in good order.
+  /// Ends MPI; the last call, after success or an error that all ranks know, so that the process ends normally.
   virtual void finish() = 0;
 };
-/// Those of mpirun or srun (rank_in()); null without a launcher, or when this rank is the only one.
-/// Error{kUsage} in a build without MPI, Error{kInternal} when MPI does not start, or has started others than
-/// the environment says.
+/// Returns the ranks of mpirun or srun (rank_in()); null without a launcher or with a single rank. Throws
+/// Error{kUsage} in a build without MPI, Error{kInternal} if MPI does not start or its number of ranks differs
+/// from the environment's.
 [[nodiscard]] std::unique_ptr<LaunchedRanks> launched_ranks(const Environment& environment);
 
-/// The one of a rank that shares its machine with others (OMPI_COMM_WORLD_LOCAL_RANK, MPI_LOCALRANKID,
-/// SLURM_LOCALID), each of which takes the next.
+/// Returns the device of a rank that shares its machine with other ranks (OMPI_COMM_WORLD_LOCAL_RANK,
+/// MPI_LOCALRANKID, SLURM_LOCALID); local rank i uses device i, modulo their number.
 [[nodiscard]] std::string device_of_rank(const std::vector<std::string>& devices,
                                          const Environment& environment);
 

@@ -1,15 +1,16 @@
 #pragma once
-// What the program takes of MPI, from a module of its own (mpi_module.cpp): nobody else loads MPI.
+// MPI functions of the program, from a separate module (mpi_module.cpp), so that only launched trainings load
+// MPI.
 #include <cstdint>
 
 namespace simuli::cli {
 
-/// All but the last return 0, or MPI's error code. From one thread.
+/// All functions but the last return 0 or MPI's error code. Call them from one thread.
 struct MpiCalls {
   int (*start)(int* rank, int* size);
-  /// own[bytes] of each rank -> all[size][bytes].
+  /// Gathers own[bytes] of each rank into all[size][bytes].
   int (*gather)(const void* own, std::uint64_t bytes, void* all);
-  /// data[bytes] of rank `from` -> that of all.
+  /// Copies data[bytes] of rank `from` to all ranks.
   int (*broadcast)(void* data, std::uint64_t bytes, int from);
   void (*finish)();
 };
@@ -17,6 +18,6 @@ struct MpiCalls {
 }  // namespace simuli::cli
 
 extern "C" {
-/// The module's only symbol.
+/// The only symbol of the module.
 using SimuliMpiCalls = const simuli::cli::MpiCalls*();
 }

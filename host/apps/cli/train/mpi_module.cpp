@@ -1,4 +1,4 @@
-// simuli_mpi.so: the program's way to MPI, loaded where a launcher has started several ranks of a training.
+// simuli_mpi.so: access to MPI, loaded if a launcher started several ranks of a training.
 #define OMPI_SKIP_MPICXX 1
 #define MPICH_SKIP_MPICXX 1
 #include <algorithm>
@@ -12,7 +12,7 @@ constexpr std::uint64_t kMost = std::uint64_t{1} << 30U;  // MPI counts by int
 
 int start(int* rank, int* size) {
   int provided = 0;
-  // Others of the program's threads read files and show progress.
+  // Other threads of the program read files and print progress; they do not call MPI.
   if (const int failed = MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided)) return failed;
   MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
   if (const int failed = MPI_Comm_rank(MPI_COMM_WORLD, rank)) return failed;

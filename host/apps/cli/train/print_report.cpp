@@ -42,7 +42,7 @@ std::string stages_text(const std::vector<LengthStage>& stages) {
   return text;
 }
 
-/// A line, or none of a training by itself.
+/// Returns a line on the ranks; empty for a training with one rank.
 std::string ranks_text(const TrainReport& r) {
   if (r.ranks == 1) return "";
   const int iterations = std::max(1, r.last.iteration - r.first_iteration);
@@ -51,7 +51,7 @@ std::string ranks_text(const TrainReport& r) {
                      static_cast<double>(r.gathered_bytes) * 1e-6 / iterations);
 }
 
-/// A line, or none where nothing was asked for.
+/// Returns a line on ego-pose refinement; empty if it was not requested.
 std::string path_text(const PathReport& path) {
   if (path.sweeps == 0)
     return path.reason.empty() ? "" : fmt::format("  path as recorded: {}\n", path.reason);
@@ -64,7 +64,7 @@ std::string path_text(const PathReport& path) {
       "  path refined by up to {:.1f} cm: {}; {:.1f} s\n", 100.0 * path.largest_change_m, fit, path.seconds);
 }
 
-/// What to type next.
+/// Returns the suggested next commands.
 std::string next_text(const EndedTraining& ended) {
   const std::string scene = shell_word(ended.scene);
   std::string text;

@@ -1,5 +1,5 @@
 #pragma once
-// What `simuli train` says at its end.
+// Final output of `simuli train`.
 #include <Eigen/Core>
 #include <optional>
 #include <string>
@@ -9,16 +9,16 @@
 
 namespace simuli::cli {
 
-/// A training that has ended, with its scene written.
+/// A finished training whose scene was written.
 struct EndedTraining {
   const TrainingReport& training;
   const std::optional<HeldOutScores>& held_out;
-  Eigen::Index camera_particles = 0, lidar_particles = 0;  // of the scene, as `simuli info` counts them
-  std::string log, scene;                                  // as they were given
-  std::string report;                                      // that was written; empty: none
+  Eigen::Index camera_particles = 0, lidar_particles = 0;  // of the scene, as in `simuli info`
+  std::string log, scene;                                  // as given
+  std::string report;                                      // written report; empty: none
 };
 
-/// On stdout, for people or as JSON.
+/// Prints to stdout, as text or as JSON.
 void print_report(const EndedTraining& ended, bool json);
 
 }  // namespace simuli::cli

@@ -32,8 +32,8 @@
 #include "io/scene/scene_folder.hpp"
 #include "io/scene/scene_output.hpp"
 #include "optim/eval/held_out_scores.hpp"
-#include "optim/train/ranks/rank_threads.hpp"
 #include "optim/train/chunk/chunk_parts.hpp"
+#include "optim/train/ranks/rank_threads.hpp"
 #include "optim/train/training.hpp"
 
 namespace simuli::cli {
@@ -49,7 +49,7 @@ struct TrainCommand {
   TrainingOptions options;
   TrainOutputs outputs;
   std::string report;  // file to write; empty: none
-  int view_port = -1;  // of the viewer; below 0: none
+  int view_port = -1;  // of the viewer; negative: none
 };
 
 void take_iterations(const std::string& text, TrainOptions& options) {
@@ -61,7 +61,7 @@ void take_iterations(const std::string& text, TrainOptions& options) {
   throw_usage_error("--iterations", text, "auto, or " + iterations.allowed());
 }
 
-/// "6GB", "512MiB" or a number of bytes.
+/// Parses "6GB", "512MiB" or a number of bytes.
 std::size_t memory_size(const char* option, const std::string& text) {
   constexpr std::array<std::pair<const char*, double>, 8> kUnits{{{"", 1.0},
                                                                   {"B", 1.0},
@@ -85,7 +85,8 @@ std::size_t memory_size(const char* option, const std::string& text) {
   throw_usage_error(option, text, "a size above 0: 6GB, 512MiB, or bytes");
 }
 
-/// What held-out frames say, kept with the scene; in the report all frames where none was held out.
+/// Scores the held-out frames, which are stored with the scene; the report uses all frames if none was held
+/// out.
 std::optional<HeldOutScores> score(const TrainCommand& command,
                                    const Device& device,
                                    SceneFile scene,
@@ -115,8 +116,8 @@ std::filesystem::path checkpoint_beside(const std::string& output) {
   return file += ".checkpoint";
 }
 
-/// Refuses before any work what would be lost or could not be written at its end. The output is this
-/// process's from here on.
+/// Refuses outputs that cannot be written or would be overwritten, before any work. Then this process owns the
+/// output.
 std::unique_ptr<OutputLock> take_output(const TrainCommand& command) {
   const std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
   const bool resumes = command.outputs.resume && is_there(checkpoint);
@@ -157,7 +158,7 @@ std::unique_ptr<OutputLock> take_output(const TrainCommand& command) {
   return lock;
 }
 
-/// What a page shows before there are particles.
+/// Returns the scene that the page shows before there are particles.
 SceneFile without_particles(const Log& log) {
   SceneFile file;
   file.scene.name = log.name;
@@ -167,7 +168,7 @@ SceneFile without_particles(const Log& log) {
   return file;
 }
 
-/// --sensors as what it says: all frames of the others are held out.
+/// Applies --sensors: holds out all frames of the other sensors.
 void take_sensors(TrainCommand& command, const Log& log) {
   if (command.sensors.empty()) return;
   std::vector<std::string>& held_out = command.options.frames.held_out_sensors;
@@ -178,9 +179,9 @@ void take_sensors(TrainCommand& command, const Log& log) {
 
 using OpenDevice = std::function<Device()>;
 
-/// What a rank without an output does.
+/// Runs a rank that writes no output.
 void share(TrainCommand command, const OpenDevice& open, const Globals& globals, Ranks& ranks) {
-  ranks.wait_for_all();  // the first one has taken the output, and the log is there
+  ranks.wait_for_all();  // the first rank has locked the output and written the log
   const Log log = read_log(command.log);
   take_sensors(command, log);
   const Device device = open();
@@ -218,7 +219,7 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
   write_scene(command.output, scene);
   const auto camera_particles = scene.scene.camera.size(), lidar_particles = scene.scene.lidar.size();
   if (command.outputs.checkpoints.every == 0) {
-    std::error_code ignored;  // nobody needs it any more, and the scene is there
+    std::error_code ignored;  // an error is irrelevant here: the scene is complete
     const std::filesystem::path& checkpoint = command.outputs.checkpoints.file;
     std::filesystem::remove(checkpoint, ignored);
     for (std::size_t i = 0; std::filesystem::remove(chunk_file(checkpoint, i), ignored); ++i) {
@@ -236,13 +237,13 @@ void train(TrainCommand command, const OpenDevice& open, const Globals& globals,
                globals.json);
 }
 
-/// A rank of a launcher. What all of them know is told by the first one alone.
+/// Runs a rank of a launcher. Only the first rank prints errors that all ranks have.
 void train_launched(const TrainCommand& command,
                     const OpenDevice& open,
                     const Globals& globals,
                     LaunchedRanks& ranks) {
   const auto end = [&ranks](int exit_code, const std::string& line) {
-    // The launcher kills those that are left when one has ended: said before any can be gone.
+    // The launcher ends the remaining ranks when one has ended; print the line before.
     if (ranks.is_first()) std::cerr << "simuli: " << line << std::endl;
     ranks.finish();
     throw Ended(exit_code, "");
@@ -253,7 +254,7 @@ void train_launched(const TrainCommand& command,
                {"shards", fmt::format("{}", command.options.train.shards.count)}});
     try {
       Training::need_shards(ranks, command.options);
-    } catch (const Error& error) {  // all of them find the same
+    } catch (const Error& error) {  // all ranks get the same error
       end(error.exit_code(), error.what());
     }
     train(command, open, globals, ranks);
@@ -286,7 +287,7 @@ void train_on_ranks(TrainCommand command, const Globals& globals) {
     return train(
         std::move(command), [&] { return Device::best(devices.front()); }, globals, one_rank());
   }
-  // One after the other: drivers are not all ready to be looked for by several threads.
+  // Opened in sequence: some drivers do not support concurrent queries of devices.
   std::vector<Device> opened;
   for (const std::string& device : devices) opened.push_back(Device::best(device));
   try {

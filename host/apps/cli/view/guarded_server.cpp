@@ -24,18 +24,17 @@ using std::chrono::milliseconds;
 constexpr std::size_t kThreads = 48;
 constexpr int kMostWaiting = 512;  // connections without a thread
 constexpr int kBacklog = 512;
-constexpr milliseconds kRequest{10'000};      // for a request to come whole
-constexpr milliseconds kReply{30'000};        // for its reply to be taken
+constexpr milliseconds kRequest{10'000};      // until a request is complete
+constexpr milliseconds kReply{30'000};        // until the client has read the reply
 constexpr milliseconds kIdle{5'000};          // between two requests
-constexpr milliseconds kCrowdedRequest{250};  // the same while others wait for a thread
+constexpr milliseconds kCrowdedRequest{250};  // request timeout while other connections wait for a thread
 constexpr milliseconds kCrowdedReply{2'000};
 constexpr milliseconds kCrowdedIdle{20};
-constexpr milliseconds kLook{20};                               // how often it is looked whether others wait
+constexpr milliseconds kLook{20};  // interval of the check for waiting connections
 constexpr std::size_t kMostLineBytes = std::size_t{64} << 10U;  // request line, headers, chunk sizes
-constexpr std::size_t kMostBytes = std::size_t{64}
-                                   << 20U;  // larger bodies than are allowed are read and refused
+constexpr std::size_t kMostBytes = std::size_t{64} << 20U;      // larger bodies are read and refused
 
-/// Of the thread that accepts: connections beyond kMostWaiting are closed there.
+/// In the accepting thread: whether connections beyond kMostWaiting are closed.
 thread_local bool turns_away = false;
 
 }  // namespace
@@ -44,7 +43,7 @@ struct GuardedServer::Crowd {
   std::atomic<int> waiting{0};
 };
 
-/// The library's threads, and how many connections wait for one.
+/// The library's threads, and the number of connections that wait for one.
 class GuardedServer::Queue : public httplib::TaskQueue {
  public:
   explicit Queue(std::shared_ptr<Crowd> crowd) : crowd_(std::move(crowd)), threads_(kThreads) {}
@@ -69,13 +68,13 @@ class GuardedServer::Queue : public httplib::TaskQueue {
   httplib::ThreadPool threads_;
 };
 
-/// One client's bytes, in time or not at all.
+/// A client's connection with time limits.
 class GuardedServer::Connection : public httplib::Stream {
  public:
   Connection(socket_t socket, const Crowd& crowd, const std::atomic<socket_t>& listener)
       : socket_(socket), crowd_(crowd), listener_(listener) {}
 
-  /// Whether a request begins; its time runs from then on.
+  /// Whether a request begins; its time starts then.
   bool next_request() {
     begin_ = Clock::now();
     if (at_ == end_ && !wait(POLLIN, kIdle, is_first_ ? kCrowdedRequest : kCrowdedIdle)) return false;
@@ -92,7 +91,7 @@ class GuardedServer::Connection : public httplib::Stream {
   [[nodiscard]] bool is_writable() const override { return wait(POLLOUT, kReply, kCrowdedReply); }
 
   ssize_t read(char* to, size_t size) override {
-    // Lines are read byte by byte, bodies are not.
+    // The library reads lines byte by byte, but bodies in blocks.
     if (size == 1 && ++line_bytes_ > kMostLineBytes) return -1;
     if (at_ == end_) {
       if (bytes_ > kMostBytes || !is_readable()) return -1;
@@ -117,7 +116,7 @@ class GuardedServer::Connection : public httplib::Stream {
     }
   }
 
-  // Nobody asks who they are.
+  // Nothing uses the remote address.
   void get_remote_ip_and_port(std::string& ip, int& port) const override {
     ip.clear();
     port = 0;
@@ -126,11 +125,12 @@ class GuardedServer::Connection : public httplib::Stream {
   [[nodiscard]] socket_t socket() const override { return socket_; }
 
  private:
-  /// Until the socket is ready, or the time from begin_ on is over, which is shorter while others wait.
+  /// Waits until the socket is ready or the time since begin_ has passed; the limit is shorter while others
+  /// wait.
   [[nodiscard]] bool wait(short event, milliseconds most, milliseconds crowded) const {
     pollfd ready{socket_, event, 0};
     while (listener_ != INVALID_SOCKET) {
-      // Looked at first: who sends a byte now and then is always ready.
+      // Checked first: a client that sends single bytes is always ready.
       if (Clock::now() - begin_ >= (crowd_.waiting > 0 ? crowded : most)) return false;
       if (::poll(&ready, 1, static_cast<int>(kLook.count())) > 0) return true;
     }
@@ -157,7 +157,7 @@ GuardedServer::~GuardedServer() {
 }
 
 void GuardedServer::start(const std::string& host, int port, const char* option) {
-  // The library's own choice (SO_REUSEPORT) would let a second server listen on a port that is taken.
+  // The library's default (SO_REUSEPORT) would let a second server listen on the same port.
   set_socket_options([](socket_t socket) {
     const int yes = 1;
     ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
@@ -168,8 +168,7 @@ void GuardedServer::start(const std::string& host, int port, const char* option)
     throw_usage_error(
         option, fmt::format("{} on {}, which can't be bound", port, host), "a free one, or 0 for any");
   }
-  // More than the library asks for: connections that come at the same time are kept instead of tried again after a
-  // second.
+  // A larger backlog than the library's: simultaneous connections are accepted without a retry after a second.
   static_cast<void>(::listen(svr_sock_, kBacklog));
   thread_ = std::thread([this] { listen_after_bind(); });
 }

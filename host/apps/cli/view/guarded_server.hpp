@@ -1,6 +1,6 @@
 #pragma once
-// The library's server behind limits of its own: it waits for each client as long as that takes, one thread
-// each, so that a few slow ones keep out everybody else.
+// HTTP server with limits. The library waits for each client without a limit in a thread of its own, so that a
+// few slow clients would block all others.
 #include <Eigen/Core>  // before httplib.h, with which <resolv.h> makes a macro of a name of Eigen's
 #include <httplib.h>
 #include <memory>
@@ -9,19 +9,19 @@
 
 namespace simuli::cli {
 
-/// A request has to come whole within seconds, its header within 64 KiB, and replies have to be taken; where
-/// connections wait for a thread, who is slow or idle has a fraction of a second. Beyond a number of waiting
-/// connections new ones are closed at once.
+/// Requests must arrive within seconds, with headers up to 64 KiB, and replies must be read; while connections
+/// wait for a thread, slow or idle clients get a fraction of a second. Connections beyond a maximum are closed
+/// at once.
 class GuardedServer : public httplib::Server {
  public:
   GuardedServer();
   ~GuardedServer() override;
-  /// Answers from threads of its own until it is destroyed; `port` 0: any free one. Error{kUsage} naming `option`
-  /// where the address can't be bound.
+  /// Answers in its own threads until destruction; `port` 0 selects a free one. Throws Error{kUsage} naming
+  /// `option` for an address that cannot be bound.
   void start(const std::string& host, int port, const char* option);
-  /// "http://127.0.0.1:8080".
+  /// Returns "http://127.0.0.1:8080".
   [[nodiscard]] std::string url() const;
-  /// Returns when it has stopped.
+  /// Returns after the server has stopped.
   void wait();
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// A training in the browser while it runs: what `simuli train --view` shows.
+// A running training in the browser (`simuli train --view`).
 #include <memory>
 #include <string>
 
@@ -9,14 +9,14 @@
 
 namespace simuli::cli {
 
-/// How a training stands whose scene is shown.
+/// Status of the training whose scene is shown.
 struct ViewProgress {
   bool training = false;
   TrainStatus status;
   int iterations = 0;
 };
 
-/// Served until it is destroyed.
+/// The page; served until destruction.
 class LivePage {
  public:
   LivePage() = default;
@@ -24,17 +24,17 @@ class LivePage {
   LivePage& operator=(const LivePage&) = delete;
   virtual ~LivePage() = default;
 
-  /// Where the page is.
+  /// Returns the page's address.
   [[nodiscard]] virtual std::string url() const = 0;
-  /// From now on this scene is shown.
+  /// Replaces the displayed scene.
   virtual void show(Scene scene) = 0;
   virtual void set_progress(const ViewProgress& progress) = 0;
-  /// Seconds since a page last asked for anything; infinite before.
+  /// Returns the seconds since the last request of a page; infinity before the first.
   [[nodiscard]] virtual double idle_s() const = 0;
 };
 
-/// `file` may have empty sets: the training has not begun. port 0: any free one. Error{kUsage} when it can't
-/// be bound, and in a build without the viewer.
+/// `file` may have empty sets before the training begins. port 0 selects a free one. Throws Error{kUsage} if it
+/// cannot be bound, and in a build without the viewer.
 [[nodiscard]] std::unique_ptr<LivePage> open_live_page(const Globals& globals, SceneFile file, int port);
 
 }  // namespace simuli::cli

@@ -18,7 +18,7 @@
 namespace simuli::cli {
 namespace {
 
-constexpr std::size_t kKeptBytes = std::size_t{512} << 20U;  // of frames, so that playing again is fast
+constexpr std::size_t kKeptBytes = std::size_t{512} << 20U;  // of cached frames, for replay
 
 void need_recorded(const ViewRequest& request) {
   if (request.is_as_recorded()) return;
@@ -27,7 +27,7 @@ void need_recorded(const ViewRequest& request) {
                     "what was recorded; all else of a trained scene");
 }
 
-/// The frame of that sensor that was under way at that time, or nearest to it; of several the last.
+/// Returns the sensor's frame in progress at that time, or the nearest one; of several, the last.
 template <class Frame>
 const Frame* nearest(const std::vector<Frame>& frames,
                      const std::string Frame::*sensor,
@@ -110,7 +110,7 @@ std::string LogSession::picture(const ViewRequest& request) {
   const double scale = std::min(1.0, static_cast<double>(request.width) / own.width);
   const Camera camera = scaled_camera(own, scale);
   Image image = load_image(log_, frame, camera);
-  for (float& value : image.data) value = std::max(value, 0.0F);  // what a mask hides is black
+  for (float& value : image.data) value = std::max(value, 0.0F);  // masked pixels are black
   const Shot shot = shot_of(log_, frame);
   const std::vector<float> points =
       request.points.empty() ? std::vector<float>() : points_over(frame, camera, request.points);
@@ -166,7 +166,7 @@ std::string LogSession::sweep(const ViewRequest& request) {
 std::string LogSession::probe(const ViewRequest& request) {
   need_recorded(request);
   if (!request.pixel) throw_input_error("request", "pixel", "none", "a place in the picture");
-  constexpr double kNear = 0.01;  // of the picture's width
+  constexpr double kNear = 0.01;  // share of the picture's width
   const ImageFrame& frame = image_at(request.sensor, request.time_s);
   const Camera& camera = log_.camera(frame.camera).model;
   Json out = {{"distance_m", nullptr},

@@ -1,5 +1,5 @@
 #pragma once
-// A log before it is trained on: its pictures, the returns of its sweeps over them and in space, its boxes.
+// A log before training: its pictures, sweeps projected into them and in space, boxes.
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace simuli::cli {
 
-/// Of each sensor the frame nearest to the time that is asked for. Error{kUsage} for what only a scene can
-/// show: other places and layers, edits; Error{kInput} for a sensor without frames.
+/// Answers with each sensor's frame nearest to the requested time. Throws Error{kUsage} for requests that need
+/// a scene: other poses and layers, edits; Error{kInput} for a sensor without frames.
 class LogSession : public ViewAnswers {
  public:
   explicit LogSession(Log log);
@@ -18,9 +18,9 @@ class LogSession : public ViewAnswers {
   [[nodiscard]] std::string describe() const override;
   [[nodiscard]] std::string progress() const override;
   [[nodiscard]] std::string picture(const ViewRequest& request) override;
-  /// Of several sweeps, spread evenly over the drive, kMostReturns at most, each so many-th ("every").
+  /// Returns points of sweeps evenly spaced along the drive, at most kMostReturns, each "every"-th.
   [[nodiscard]] std::string sweep(const ViewRequest& request) override;
-  /// The return nearest to the pixel, within a hundredth of the width.
+  /// Returns the return nearest to the pixel, within a hundredth of the width.
   [[nodiscard]] std::string probe(const ViewRequest& request) override;
 
   static constexpr std::size_t kMostReturns = 600'000;

@@ -6,13 +6,13 @@
 
 namespace simuli::cli {
 
-/// Whether an address to listen on is one that no other machine reaches.
+/// Whether other machines cannot reach a listening address.
 [[nodiscard]] inline bool is_loopback(std::string_view host) {
   constexpr std::array<std::string_view, 3> kLoopback{"127.0.0.1", "localhost", "::1"};
   return std::find(kLoopback.begin(), kLoopback.end(), host) != kLoopback.end();
 }
 
-/// "host:port" or "[host]:port" without the port; empty for what is neither.
+/// Returns the host of "host:port" or "[host]:port"; empty for other text.
 [[nodiscard]] inline std::string host_of_header(const std::string& header) {
   const bool is_v6 = !header.empty() && header.front() == '[';
   const std::size_t end = is_v6 ? header.find(']') : std::min(header.find(':'), header.size());

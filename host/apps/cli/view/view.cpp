@@ -1,4 +1,4 @@
-// simuli view: a scene, or a log, in the browser.
+// Command simuli view: a scene or a log in the browser.
 #include <cstdlib>
 #include <iostream>
 #include <memory>
@@ -24,7 +24,7 @@ struct ViewCommand {
   std::string token_file;
 };
 
-/// As it was told: on the command line, in a file, in the environment; empty: not at all.
+/// Returns the token from the command line, a file or the environment; empty: none.
 std::string token_of(const ViewCommand& command) {
   if (!command.server.token.empty()) return command.server.token;
   if (command.token_file.empty()) {
@@ -42,7 +42,7 @@ void serve(const ViewCommand& command, ViewAnswers& answers) {
   ServerOptions options = command.server;
   options.token = token_of(command);
   ViewServer server(answers, options);
-  std::cout << server.url() << std::endl;  // at once: somebody waits for it
+  std::cout << server.url() << std::endl;  // flushed, because callers wait for the address
   server.wait();
 }
 

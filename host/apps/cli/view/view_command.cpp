@@ -22,7 +22,7 @@ std::set<std::string> actors_of(const Edits& edits) {
   return names;
 }
 
-/// Of --outputs, beside the picture.
+/// Returns the layer's name in --outputs.
 std::string output_of(ViewLayer layer) {
   switch (layer) {
     case ViewLayer::kDepth:
@@ -47,7 +47,7 @@ std::string command_of(const ViewRequest& request,
   const bool is_camera = sensor.is_camera();
   std::string line = "simuli render";
   std::string which = request.sensor;
-  if (request.height) {  // no camera of the rig: its file is written first
+  if (request.height) {  // a free camera: the command writes its file first
     which = "view_" + sensor.name() + ".json";
     const std::string file = Json::parse(text_of(sensor_file_of(sensor))).dump();
     line = fmt::format("printf %s {} >{} && {}", shell_word(file), which, line);

@@ -1,5 +1,5 @@
 #pragma once
-// The command line that makes what the viewer shows.
+// The command line that renders the viewer's current view.
 #include <string>
 #include <vector>
 
@@ -9,22 +9,23 @@
 
 namespace simuli::cli {
 
-/// Where the viewer's scene comes from.
+/// Origin of the viewer's scene.
 struct ViewSource {
-  std::string scene;  // as it was given on the command line
+  std::string scene;  // as given on the command line
   Edits edits;
 };
 
-/// Where the request has a sensor on the rig, and whether that is where the scene has it, but for a shift to the
-/// left.
+/// Mounting of the request's sensor on the rig, and whether it is the scene's mounting, except for a shift to
+/// the left.
 struct SensorPlace {
   Pose rig_from_sensor;
   bool only_left = true;
 };
 
-/// `simuli render ...` of the request's picture or sweep: `sensor` as the scene has it, of which the picture
-/// is a size, in that place at `time_s`; before it what writes the file of a free camera. `added`: options of the
-/// actors that were added since. Error{kUsage} for edits of actors which the viewer's own command line edits, too.
+/// Returns the `simuli render ...` command of the request's picture or sweep, preceded by commands that write
+/// the file of a free camera. `sensor`: the scene's, of which the picture is a resized version; `added`:
+/// options for actors added since. Throws Error{kUsage} for edits of actors that the viewer's own command line
+/// edits as well.
 [[nodiscard]] std::string command_of(const ViewRequest& request,
                                      double time_s,
                                      const Sensor& sensor,

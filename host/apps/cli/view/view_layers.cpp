@@ -29,8 +29,8 @@ LayerPicture support_layer(const Frame& frame,
                            const Scene& scene,
                            const ActorCopies& copies,
                            SupportOnDevice& support) {
-  constexpr float kLeast = 0.25F;  // light, so that black things have a colour
-  // Orange and blue are apart for colour-blind people, too.
+  constexpr float kLeast = 0.25F;  // least brightness, so that black objects are tinted
+  // Colour-blind people can distinguish orange and blue.
   constexpr std::array<float, 3> kUnknown{1.0F, 0.42F, 0.0F}, kKnown{0.25F, 0.62F, 1.0F};
   LayerPicture out{frame.image()};
   const std::vector<float> known = support.of(frame, scene, copies);

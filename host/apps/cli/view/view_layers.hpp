@@ -1,5 +1,5 @@
 #pragma once
-// What of a camera's frame the viewer shows.
+// Layers of a camera's frame in the viewer.
 #include "host/apps/cli/draw/unseen.hpp"
 #include "host/apps/cli/view/view_request.hpp"
 #include "host/core/base/image.hpp"
@@ -10,14 +10,15 @@ namespace simuli::cli {
 
 struct LayerPicture {
   Image image;                       // [height][width][3]
-  double near_m = 0.0, far_m = 0.0;  // ends of the scale of colours, of depth alone
-  double unseen_share = 0.0;         // of the pixels, where unseen ones are marked
-  double support = 0.0;              // mean of the pixels, where it is shown
+  double near_m = 0.0, far_m = 0.0;  // ends of the colour scale; only for depth
+  double unseen_share = 0.0;         // share of the pixels; only if unseen ones are marked
+  double support = 0.0;              // mean over the pixels; only for the support layer
 };
-/// As in host/apps/cli/draw/depth_picture.hpp and unseen.hpp. Waits. Error{kInput} for unseen pixels of a scene
-/// that no camera was carried through.
+/// As in host/apps/cli/draw/depth_picture.hpp and unseen.hpp. Waits. Throws Error{kInput} for unseen pixels of
+/// a scene without recorded cameras.
 [[nodiscard]] LayerPicture layer_of(ViewLayer layer, const Frame& frame, const RecordedViews& recorded);
-/// ViewLayer::kSupport: the picture's own light, orange where it is not known, blue where it is. Waits.
+/// Returns ViewLayer::kSupport: the picture's brightness, tinted orange for low and blue for high support.
+/// Waits.
 [[nodiscard]] LayerPicture support_layer(const Frame& frame,
                                          const Scene& scene,
                                          const ActorCopies& copies,

@@ -8,7 +8,7 @@
 namespace simuli::cli {
 namespace {
 
-/// One more than the number of the first actor whose box holds the point at that share of the frame; 0: none.
+/// Returns 1 + the index of the first actor whose box contains the point at that share of the frame; 0: none.
 std::size_t actor_at(const Eigen::Vector3d& point,
                      const std::vector<Actor>& actors,
                      const std::vector<ActorView>& views,
@@ -23,9 +23,9 @@ std::size_t actor_at(const Eigen::Vector3d& point,
   return 0;
 }
 
-/// Around the edge of the picture, as far as the lens has rays there.
+/// Returns directions around the picture's edge where the lens has rays.
 Json outline_of(const Camera& camera) {
-  constexpr int kSteps = 8;  // a side, so that a distorted edge is round
+  constexpr int kSteps = 8;  // points per side, because distortion bends edges
   Json out = Json::array();
   for (int i = 0; i < 4 * kSteps; ++i) {
     const double at = static_cast<double>(i % kSteps) / kSteps;
@@ -110,7 +110,7 @@ Json json_of_outlines(const Camera& camera,
                       const Shot& in_scene,
                       const std::vector<Actor>& actors,
                       const std::vector<ActorView>& views) {
-  constexpr int kPieces = 24;  // of an edge: lenses bend it, and it may leave the picture
+  constexpr int kPieces = 24;  // points per edge, because lenses bend it and it may leave the picture
   const ImageView view(camera, in_scene.world_from_sensor_start, in_scene.world_from_sensor_end);
   Json out = Json::array();
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -150,7 +150,7 @@ void append_points(const LidarModel& lidar,
                    std::size_t every,
                    std::vector<float>& points) {
   const std::vector<Eigen::Vector3d> ends = points_of(lidar, frame, in_scene, PointFrame::kWorld);
-  const auto columns = static_cast<std::size_t>(frame.rays.columns);  // of a list all
+  const auto columns = static_cast<std::size_t>(frame.rays.columns);  // of a ray list: all
   for (std::size_t i = 0, returns = 0; i < ends.size(); ++i) {
     if (!frame.is_return(i) || returns++ % every != 0) continue;
     for (const double value : ends[i]) points.push_back(static_cast<float>(value));

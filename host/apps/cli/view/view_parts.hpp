@@ -1,5 +1,5 @@
 #pragma once
-// What answers about scenes and about logs are made of.
+// Parts of answers that scenes and logs share.
 #include <Eigen/Core>
 #include <cstddef>
 #include <string>
@@ -20,31 +20,31 @@ inline constexpr int kJpegQuality = 90;
 
 [[nodiscard]] Json json_of(const Eigen::Vector3d& v);
 [[nodiscard]] Json json_of(const Pose& pose);
-/// Of two parts, as ViewAnswers::picture() has them.
+/// Returns a reply of two parts as in ViewAnswers::picture().
 [[nodiscard]] std::string reply(const Json& info, const void* payload, std::size_t bytes);
 
-/// Names of its cameras and LiDARs, starts and ends of their frames by name, poses of the rig in the scene's
-/// frame, where it begins and ends; of cameras the mounting and directions (camera frame, unit) around the edge
-/// of the picture.
+/// Returns names of cameras and LiDARs, start and end times of their frames by name, rig poses in the scene's
+/// frame with first and last time, and for cameras the mounting and unit directions (camera frame) around the
+/// picture's edge.
 [[nodiscard]] Json json_of_drive(const std::vector<LogCamera>& cameras,
                                  const std::vector<LogLidar>& lidars,
                                  const Trajectory& world_from_rig,
                                  const FrameSpans& frames,
                                  const Eigen::Vector3d& origin);
-/// Name, kind and size of each.
+/// Returns name, kind and size of each actor.
 [[nodiscard]] Json json_of_actors(const std::vector<Actor>& actors);
-/// Where the actors are, in the scene's frame.
+/// Returns the actors' boxes in the scene's frame.
 [[nodiscard]] Json json_of_boxes(const std::vector<Actor>& actors, const std::vector<ActorView>& views);
-/// Edges of the boxes as the camera sees them, with its shutter: [{"name", "lines": [[x, y, x, y, ...]]}], in
-/// parts of the picture's sides.
+/// Returns the boxes' edges as the camera sees them with its shutter: [{"name", "lines": [[x, y, x, y, ...]]}],
+/// as shares of the picture's sides.
 [[nodiscard]] Json json_of_outlines(const Camera& camera,
                                     const Shot& in_scene,
                                     const std::vector<Actor>& actors,
                                     const std::vector<ActorView>& views);
 
-/// Values of one return in ViewAnswers::sweep().
+/// Values per return in ViewAnswers::sweep().
 inline constexpr std::size_t kPointValues = 7;
-/// Appends the returns of a sweep, each `every`-th.
+/// Appends each `every`-th return of a sweep.
 void append_points(const LidarModel& lidar,
                    const LidarFrame& frame,
                    const Shot& in_scene,
@@ -53,13 +53,14 @@ void append_points(const LidarModel& lidar,
                    std::size_t every,
                    std::vector<float>& points);
 
-/// Values of one return in ViewAnswers::picture(): x and y in parts of the picture's sides behind those above.
+/// Values per return in ViewAnswers::picture(): those of a sweep, then x and y as shares of the picture's
+/// sides.
 inline constexpr std::size_t kSeenValues = kPointValues + 2;
-/// Those of the points that the camera's shutter sees where they lay when they were measured.
+/// Returns the points inside the picture: each projected with the camera's shutter from its measured position.
 [[nodiscard]] std::vector<float> seen_points(const Camera& camera,
                                              const Shot& in_scene,
                                              const std::vector<float>& points);
-/// `points`, then the picture's bytes.
+/// Returns `points` followed by the picture's bytes.
 [[nodiscard]] std::string with_points(const std::vector<float>& points, const std::string& picture);
 
 }  // namespace simuli::cli

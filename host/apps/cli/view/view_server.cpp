@@ -22,18 +22,18 @@ namespace {
 constexpr std::size_t kLargestRequest = std::size_t{1} << 20U;
 constexpr std::size_t kLargestFile = std::size_t{60} << 20U;  // of splats
 
-/// Whether a page of another site asks: browsers say so, in one way or the other. Such a page cannot read the
-/// reply, but has the work done.
+/// Whether a page of another site sent the request, by the browser's headers. Such a page cannot read the
+/// reply, but would start the work.
 bool is_foreign(const httplib::Request& request) {
   const std::string site = request.get_header_value("Sec-Fetch-Site");
   if (!site.empty() && site != "same-origin" && site != "none") return true;
-  if (!request.has_header("Origin")) return false;  // no browser, or a plain visit
+  if (!request.has_header("Origin")) return false;  // not a browser, or direct navigation
   const std::string origin = request.get_header_value("Origin");
   const std::size_t scheme = origin.find("://");
   return scheme == std::string::npos || origin.substr(scheme + 3) != request.get_header_value("Host");
 }
 
-/// For the query of an address.
+/// Escapes text for the query of an address.
 std::string escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
@@ -44,7 +44,7 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-/// In a time that does not tell how much of it was right.
+/// Compares in constant time, so that timing does not reveal matching characters.
 bool same(const std::string& a, const std::string& b) {
   unsigned different = a.size() == b.size() ? 0 : 1;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -72,7 +72,7 @@ std::string type_of(std::string_view path) {
 
 struct ViewServer::Impl {
   ServerOptions options;
-  GuardedServer server;  // stops before what it reads goes
+  GuardedServer server;  // destroyed before the objects that it uses
 };
 
 ViewServer::ViewServer(ViewAnswers& answers, const ServerOptions& options) : impl_(std::make_unique<Impl>()) {
@@ -95,7 +95,7 @@ ViewServer::ViewServer(ViewAnswers& answers, const ServerOptions& options) : imp
                                "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'"}});
   server.set_pre_routing_handler(
       [this, loopback](const httplib::Request& request, httplib::Response& response) {
-        // A page of another site whose name has been pointed here must not get through.
+        // Prevents DNS rebinding: a page of another site could use a host name with this address.
         if (loopback && !is_loopback(host_of_header(request.get_header_value("Host")))) {
           response.status = 403;
           response.set_content("not a name of this machine", "text/plain");
@@ -124,7 +124,7 @@ ViewServer::ViewServer(ViewAnswers& answers, const ServerOptions& options) : imp
     server.Get(fmt::format("/{}", file.path), serve);
     if (file.path == "index.html") server.Get("/", serve);
   }
-  // What is refused is said to the page in one line.
+  // Errors are returned to the page as one line.
   const auto answer = [](const char* type, const std::function<std::string(const httplib::Request&)>& work) {
     return [type, work](const httplib::Request& request, httplib::Response& response) {
       try {
@@ -149,7 +149,7 @@ ViewServer::ViewServer(ViewAnswers& answers, const ServerOptions& options) : imp
           std::string body;
           std::size_t bytes = 0;
           const bool is_whole = read([&](const char* data, std::size_t size) {
-            bytes += size;  // what is too much is read, but not kept
+            bytes += size;  // bytes beyond the limit are read, but not stored
             if (bytes <= most_bytes) body.append(data, size);
             return true;
           });

@@ -1,5 +1,5 @@
 #pragma once
-// The viewer's web server.
+// Web server of the viewer.
 #include <memory>
 #include <string>
 
@@ -8,23 +8,23 @@
 namespace simuli::cli {
 
 struct ServerOptions {
-  std::string host = "127.0.0.1";  // other than a loopback address: with a token alone
-  int port = 8080;                 // 0: any free one
-  std::string token;               // asked for with every request but those for the page itself
+  std::string host = "127.0.0.1";  // other addresses than loopback require a token
+  int port = 8080;                 // 0 selects a free one
+  std::string token;               // required in every request except for the page itself
 };
 
-/// Serves the page and the answers from threads of its own, until it is destroyed.
+/// Serves the page and the answers in its own threads until destruction.
 class ViewServer {
  public:
-  /// Error{kUsage} for another host without a token, and when the address can't be bound.
+  /// Throws Error{kUsage} for another host without a token, and for an address that cannot be bound.
   ViewServer(ViewAnswers& answers, const ServerOptions& options);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;
 
-  /// Where the page is, with the token.
+  /// Returns the page's address with the token.
   [[nodiscard]] std::string url() const;
-  /// Returns when the server has stopped.
+  /// Returns after the server has stopped.
   void wait();
 
  private:

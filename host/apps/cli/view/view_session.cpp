@@ -42,14 +42,14 @@ RenderOptions options_named(const std::string& quality) {
   refuse("quality", quality, fmt::format("{}", fmt::join(quality_names(), ", ")));
 }
 
-/// To the left is about the camera's -y, which is up; down about its x.
+/// Left is a rotation about the camera's -y axis (up), down about its x axis.
 Pose camera_from_turned(const ViewRequest& request) {
   return {Eigen::Quaterniond(Eigen::AngleAxisd(-request.yaw_rad, Eigen::Vector3d::UnitY()) *
                              Eigen::AngleAxisd(-request.pitch_rad, Eigen::Vector3d::UnitX())),
           Eigen::Vector3d::Zero()};
 }
 
-/// `wanted`, or with a number behind it where the scene has one of that name.
+/// Returns `wanted`, with a number appended if the scene has an actor of that name.
 std::string new_name(const Scene& scene, const std::string& wanted) {
   std::string name = wanted;
   for (int i = 2; has_actor(scene.actors, name); ++i) name = fmt::format("{}_{}", wanted, i);
@@ -107,7 +107,7 @@ std::string ViewSession::describe() const {
   out["qualities"] = quality_names();
   out["quality"] = quality_names().at(static_cast<std::size_t>(globals_.quality));
   out["has_support"] = file_.support != nullptr;
-  out["depth_colours"] = Json::array();  // of the depth layer, from near to far
+  out["depth_colours"] = Json::array();  // colour scale of the depth layer, from near to far
   for (int i = 0; i <= 8; ++i) out["depth_colours"].push_back(colour_at(i / 8.0));
   out["added"] = added_names_;
   out["actors"] = json_of_actors(scene.actors);
@@ -122,7 +122,7 @@ std::string ViewSession::progress() const {
                     {"training", progress_.training},
                     {"iteration", s.iteration},
                     {"iterations", progress_.iterations},
-                    {"psnr_db", s.psnr_db},  // not finite: null
+                    {"psnr_db", s.psnr_db},  // null unless finite
                     {"distance_m", s.distance_m},
                     {"camera_particles", s.camera_particles},
                     {"lidar_particles", s.lidar_particles}};
@@ -224,7 +224,7 @@ Shot ViewSession::shot_of(const ViewRequest& request, const Sensor& sensor) cons
 std::pair<Sensor, Shot> ViewSession::still_of(const ViewRequest& request) const {
   const Sensor own = rig_.find(request.sensor, Pose{});
   const double aspect = static_cast<double>(own.rows()) / static_cast<double>(own.columns());
-  // As scaled_camera() has it, for command_of(); of a scene's camera any number.
+  // Rounded as in scaled_camera(), for command_of(); a scene's camera may have any size.
   const double wanted =
       request.height ? *request.height : std::max(1.0, std::ceil(request.width * aspect - 1e-9));
   if (wanted > kMostJpeg_px || wanted * request.width > ViewRequest::kMostPixels) {
@@ -250,7 +250,7 @@ std::pair<Sensor, Shot> ViewSession::still_of(const ViewRequest& request) const 
     const Sensor camera(free, own.rig_from_sensor());
     return {camera, shot_of(request, camera)};
   }
-  // A still: the shutter is not followed.
+  // A still picture: the camera's shutter is not simulated.
   const Sensor camera = own.resized(request.width, height)
                             .mounted(own.rig_from_sensor() * camera_from_turned(request))
                             .with_duration(0.0);
@@ -281,7 +281,7 @@ std::string ViewSession::picture(const ViewRequest& request) {
     of_lidar.sensor = request.points;
     points = seen_points(camera.camera(), shot.relative_to(scene.origin), swept(of_lidar).points);
   }
-  lock.unlock();  // others may render meanwhile
+  lock.unlock();  // other requests may render meanwhile
   const Stopwatch encode;
   const ImageCode code = request.lossless ? ImageCode::kPng : ImageCode::kJpeg;
   const std::string bytes = with_points(points, encode_image(shown.image, code, kJpegQuality));

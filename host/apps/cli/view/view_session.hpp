@@ -1,5 +1,5 @@
 #pragma once
-// What the viewer shows, rendered on request: one scene on one device, for any number of pages.
+// Views of one scene on one device, rendered on request for any number of pages.
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
@@ -22,50 +22,52 @@
 
 namespace simuli::cli {
 
-/// Calls may come from any thread; renders wait for each other.
+/// Calls may come from any thread; renders are serialised.
 class ViewSession : public ViewAnswers {
  public:
-  /// `file` may have empty sets, of a training that has not begun: views are then refused.
-  /// `source`: for command(); empty where a training makes the scene.
+  /// `file` may have empty sets before the training begins; views are refused then. `source`: for command();
+  /// empty for a scene in training.
   ViewSession(const Globals& globals, SceneFile file, ViewSource source = {});
 
-  /// From now on this scene is shown.
+  /// Replaces the displayed scene.
   void show(Scene scene);
   void set_progress(const ViewProgress& progress);
-  /// Seconds since a page last asked for anything; infinite before.
+  /// Returns the seconds since the last request of a page; infinity before the first.
   [[nodiscard]] double idle_s() const;
 
   [[nodiscard]] std::string describe() const override;
-  /// Also ViewProgress; the number changes with every show() and every actor that is added.
+  /// Also contains ViewProgress; the version changes with every show() and every added actor.
   [[nodiscard]] std::string progress() const override;
-  /// Error{kUsage} for an unknown sensor, quality or actor, Error{kInput} for a scene without such particles.
+  /// Throws Error{kUsage} for an unknown sensor, quality or actor, Error{kInput} for a scene without such
+  /// particles.
   [[nodiscard]] std::string picture(const ViewRequest& request) override;
   [[nodiscard]] std::string sweep(const ViewRequest& request) override;
-  /// Of a camera: median distance along the ray and depth along z, m, where it ends (scene frame), how much of
-  /// the light ends before, the colour, whose it is, how well that is known.
+  /// Of a camera's pixel: median distance along the ray and depth along z in m, the end point (scene frame),
+  /// the opacity up to it, the colour, the actor, the support.
   [[nodiscard]] std::string probe(const ViewRequest& request) override;
 
-  /// A second one of the actor that the request, {"actor": NAME}, names: for all pages, until the session
-  /// ends. JSON: its name. Error{kUsage} for actors that are not there, and while a training runs.
+  /// Duplicates the actor {"actor": NAME} for all pages until the session ends. Returns JSON with the copy's
+  /// name. Throws Error{kUsage} for unknown actors and during a training.
   [[nodiscard]] std::string duplicate(const std::string& json) override;
-  /// The splats of a file whose contents these are as an actor, which stands 10 m ahead of the rig at that
-  /// time. JSON: its name, after the file's, how far it is moved from where `--add` puts it, and what was left
-  /// out, or "". Errors as duplicate() and read_splats().
+  /// Adds the splats of a file with these contents as an actor, 10 m ahead of the rig at that time. Returns
+  /// JSON: its name, derived from the file's, its offset from the position of `--add`, and a note on particles
+  /// left out, or "". Errors as in duplicate() and read_splats().
   [[nodiscard]] std::string add(const std::string& file_name,
                                 const std::string& bytes,
                                 double time_s) override;
   static constexpr std::size_t kMostAdded = 64;  // actors
-  /// JSON: command_of() the request. Error{kUsage} also for a scene without a name on disk.
+  /// Returns JSON: command_of() the request. Throws Error{kUsage} also for a scene without a folder.
   [[nodiscard]] std::string command(const ViewRequest& request) const override;
 
  private:
-  /// Changes the scene for all pages, while no training does; `how` returns the option that does the same.
+  /// Changes the scene for all pages, except during a training; `how` returns the equivalent command-line
+  /// option.
   void change(const std::function<std::string(Scene&)>& how);
-  /// The request's shot of that sensor; a camera's may be a free one.
+  /// Returns the request's shot of a sensor or of a free camera.
   [[nodiscard]] Shot shot_of(const ViewRequest& request, const Sensor& sensor) const;
-  /// The camera of a picture, and its shot. Error{kUsage} for pictures that are too large.
+  /// Returns the camera and the shot of a picture. Throws Error{kUsage} for too large pictures.
   [[nodiscard]] std::pair<Sensor, Shot> still_of(const ViewRequest& request) const;
-  /// A sweep, in the scene's frame.
+  /// A sweep in the scene's frame.
   struct Swept {
     Shot in_scene;
     std::vector<ActorView> actors;
@@ -77,18 +79,18 @@ class ViewSession : public ViewAnswers {
   void touch();
 
   Globals globals_;
-  mutable std::mutex mutex_;  // of everything below but the progress
+  mutable std::mutex mutex_;  // protects the members below, except the progress
   SceneFile file_;            // without its scene, which is on the device
-  RecordedViews recorded_;    // of its cameras
+  RecordedViews recorded_;    // of the scene's cameras
   SensorRig rig_;
   SceneOnDevice scene_;
-  std::optional<SupportOnDevice> support_;  // when first asked for
+  std::optional<SupportOnDevice> support_;  // created on first use
   ActorCopies copies_;
   mutable std::mutex progress_mutex_;
   ViewProgress progress_;
   std::uint64_t version_ = 0;
   ViewSource source_;
-  std::vector<std::string> added_, added_names_;  // options, actors
+  std::vector<std::string> added_, added_names_;  // command-line options and names of added actors
   double asked_s_;
 };
 

@@ -18,8 +18,8 @@ constexpr const char* kWhere = "camera_intrinsics";
 constexpr double kPi = std::numbers::pi;
 using Coefficients = google::protobuf::RepeatedField<double>;
 
-// F-theta cameras count from the centre of the first pixel, all others from the corner of the picture, as we
-// do.
+// F-theta cameras count pixels from the centre of the first one, all other cameras from the corner of the
+// picture, as this project does.
 constexpr double kFirstCentre = 0.5;
 
 struct ShutterPair {
@@ -43,7 +43,7 @@ ShutterKind shutter_of(proto::ShutterType type) {
   return found->kind;
 }
 
-/// As many as a lens takes: what is not given is 0.
+/// Returns the N coefficients of a lens; missing ones are 0.
 template <std::size_t N>
 std::array<double, N> filled(const Coefficients& given, const char* field) {
   if (static_cast<std::size_t>(given.size()) > N) {
@@ -54,7 +54,7 @@ std::array<double, N> filled(const Coefficients& given, const char* field) {
   return all;
 }
 
-/// The angle beyond which nothing is seen, where there is one.
+/// Returns the angle beyond which a lens has no image, if there is one.
 double limit_of(double max_angle, const char* field) {
   if (max_angle == 0.0) return kPi;  // not set
   if (!(max_angle > 0.0 && std::isfinite(max_angle))) {
@@ -148,7 +148,7 @@ void print_focal(const Camera& camera, Parameters& p) {
 void print_pinhole(const Camera& camera, proto::OpenCVPinholeCameraParam& p) {
   print_focal(camera, p);
   std::vector<double> all = camera.lens.parameters();
-  all.resize(13, 0.0);  // an ideal one has none
+  all.resize(13, 0.0);  // an ideal lens has none
   for (const std::size_t i : {0, 1, 4, 5, 6, 7}) p.add_radial_coeffs(all[i]);
   for (const std::size_t i : {2, 3}) p.add_tangential_coeffs(all[i]);
   for (const std::size_t i : {8, 9, 10, 11}) p.add_thin_prism_coeffs(all[i]);
@@ -161,7 +161,7 @@ void print_fisheye(const Camera& camera, proto::OpenCVFisheyeCameraParam& p) {
   p.set_max_angle(all[4]);
 }
 
-/// The reference polynomial alone.
+/// Writes the reference polynomial only.
 void print_polynomial(const Camera& camera, proto::FthetaCameraParam& p) {
   const FthetaCamera ftheta = ftheta_of(camera);
   p.set_reference_poly(ftheta.is_inverse ? proto::FthetaCameraParam::PIXELDIST_TO_ANGLE
@@ -245,7 +245,7 @@ Camera camera_of(const proto::CameraSpec& spec) {
     camera.lens = camera.lens.behind(windshield_of(spec.bivariate_windshield_model_param()), kWhere);
   }
   validate(camera, kWhere);
-  if (camera.name.empty()) camera.name = "asked";  // a Sensor has a name, a request need not
+  if (camera.name.empty()) camera.name = "asked";  // a Sensor needs a name, which requests may omit
   return camera;
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Cameras as messages say them.
+// Conversion of cameras from and to messages.
 #include "host/core/sensors/camera.hpp"
 #include "sensorsim.pb.h"
 
@@ -8,12 +8,12 @@ namespace simuli::serve {
 namespace proto = ::nre::grpc::protos::sensorsim;
 namespace proto_common = ::nre::grpc::protos::common;
 
-/// A lens of a family that the protocol lacks (mei, equirectangular, double_sphere, eucm) is left out:
-/// requests may then name the scene's camera by its logical_id alone.
+/// Omits lenses of families that the protocol lacks (mei, equirectangular, double_sphere, eucm); requests may
+/// select such a camera of the scene by its logical_id.
 [[nodiscard]] proto::CameraSpec spec_of(const Camera& camera);
 
-/// Of one with a lens. Refusal{kInvalid} naming the field,
-/// Error{kInput} for numbers that no camera has.
+/// Converts a camera with a lens. Throws Refusal{kInvalid} naming the field, Error{kInput} for impossible
+/// values.
 [[nodiscard]] Camera camera_of(const proto::CameraSpec& spec);
 
 }  // namespace simuli::serve

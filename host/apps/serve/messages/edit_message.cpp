@@ -15,7 +15,7 @@
 namespace simuli::serve {
 namespace {
 
-constexpr int kMostEdits = 256;  // of a request
+constexpr int kMostEdits = 256;  // per request
 
 std::int64_t particles_of(const Scene& scene) {
   return static_cast<std::int64_t>(scene.camera.size()) + static_cast<std::int64_t>(scene.lidar.size());
@@ -31,8 +31,8 @@ const Actor& actor_of(const Scene& scene, const std::string& name, const std::st
       fmt::format("{}one of the {} that get_dynamic_objects lists", did_you_mean(name, known), known.size()));
 }
 
-/// How many times as large as `of`; none given: as large. All sides by one factor, up to what single
-/// precision and centimetres of labels make of it.
+/// Returns the size factor relative to `of`; 1 without a size. All sides must have the same factor, within
+/// single precision and the centimetres of labels.
 double factor_of(const proto_common::AABB& size, const Actor& of, const std::string& field) {
   constexpr double kTolerance = 0.01;
   const Eigen::Vector3d sides(size.size_x(), size.size_y(), size.size_z());
@@ -78,7 +78,7 @@ void replace(Scene& scene, const proto::ReplaceAssetAction& action, const std::s
   remove_actor(scene, original.name);
   duplicate_actor(scene, other.name, original.name);
   retrack_actor(scene, original.name, original.track);
-  // Tracks are of the boxes' middles, and both stand on the ground.
+  // Tracks refer to the boxes' centres, and both actors touch the ground.
   move_actor(scene, original.name, {0.0, 0.0, 0.5 * (other.size_m.z() - original.size_m.z())});
   if (factor != 1.0) resize_actor(scene, original.name, factor);
 }
@@ -117,7 +117,7 @@ SceneEdit edit_of(const ServedScene& scene, const proto::EditAssetsRequest& requ
     tracks.push_back(track_of(scene, object.trajectory(), fmt::format("insert {}.trajectory", i)));
   }
   const std::int64_t most = particles_of(scene.original()) * 2 + most_more;
-  proto::EditAssetsRequest actions = request;  // what of it is needed
+  proto::EditAssetsRequest actions = request;  // only the required parts
   actions.DiscardUnknownFields();
   for (proto::DynamicObjectTrack& object : *actions.mutable_insert()) object.clear_trajectory();
   edit.bytes = actions.SpaceUsedLong();

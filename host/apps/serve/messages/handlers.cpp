@@ -22,7 +22,7 @@ void need_at_most(int items, int most, const char* field) {
   if (items > most) refuse(field, fmt::format("{}", items), fmt::format("at most {}", most));
 }
 
-/// What can't be is refused in its own place.
+/// Returns the number of pixels; invalid sizes are refused later.
 double pixels_of(const proto::RGBRenderRequest& request) {
   const double pixels = static_cast<double>(request.resolution_h()) * request.resolution_w();
   return pixels > kMostPixels ? 0.0 : pixels;
@@ -35,7 +35,7 @@ void check_limit(double pixels) {
          fmt::format("at most {:.0f}", kMostPixelsTogether));
 }
 
-/// That of the protocol which is spoken here.
+/// Writes the protocol version of this server.
 void print_api_version(proto_common::VersionId::APIVersion& version) {
   version.set_major(0);
   version.set_minor(0);
@@ -71,7 +71,7 @@ void Handlers::get_loaded_scenes(proto::LoadedScenesReturn& reply) const {
     proto::LoadedSceneEntry& entry = *reply.add_scenes();
     entry.set_scene_id(id);
     entry.set_loaded_instance_count(1);
-    entry.set_reusable_instance_count(1);  // any number of callers share it
+    entry.set_reusable_instance_count(1);  // any number of callers may share it
   }
   reply.set_loaded_instance_capacity(session_.cache_size());
 }
@@ -164,7 +164,7 @@ void Handlers::get_server_config(proto::ServerConfig& reply) const {
   config["enable-editing-actors"] = options_.allows_edits ? "true" : "false";
 }
 
-/// One picture on its way.
+/// A picture in progress.
 struct Handlers::Picture {
   RenderSession::ScenePtr scene = {};
   PictureCode code = {};
@@ -173,7 +173,7 @@ struct Handlers::Picture {
   std::exception_ptr error = {};
 };
 
-/// Of one that has been rendered, once.
+/// Returns the encoded bytes of a rendered picture. Call it once.
 std::string Handlers::encoded(Picture& picture) const {
   if (picture.error) std::rethrow_exception(picture.error);
   const Stopwatch watch;
@@ -201,7 +201,7 @@ Handlers::Picture Handlers::prepare(const Call& call, const proto::RGBRenderRequ
   return picture;
 }
 
-/// Those of one scene together, whatever stands between them.
+/// Renders the pictures of each scene together, regardless of their order.
 void Handlers::render(const Call& call, std::span<Picture> pictures) const {
   std::vector<bool> done(pictures.size());
   for (std::size_t first = 0; first < pictures.size(); ++first) {

@@ -1,5 +1,5 @@
 #pragma once
-// The calls of the service, without a network: a message in, a message out.
+// Calls of the service without the network: a request message in, a reply message out.
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -13,23 +13,22 @@
 
 namespace simuli::serve {
 
-/// What a call brings beside its message.
+/// Context of a call besides its message.
 struct Call {
   IsGivenUp is_given_up = never_given_up;
-  std::string lidar = {};  // by name, instead of the request's type: of the scene, or built in
+  std::string lidar = {};  // name of a LiDAR, of the scene or built in, that replaces the request's type
 };
 
 struct HandlerOptions {
-  bool allows_edits = false;                     // by edit_assets: they are everybody's
-  std::int64_t most_more_particles = 1'000'000;  // than twice those of the scene, by edits
-  std::map<std::string, std::string> told = {};  // by get_server_config
+  bool allows_edits = false;                     // by edit_assets; they apply to all clients
+  std::int64_t most_more_particles = 1'000'000;  // limit of edits: particles beyond twice those of the scene
+  std::map<std::string, std::string> told = {};  // reported by get_server_config
 };
 
-/// Safe to use from any thread. What a call throws is what refusal_of() knows; its reply is not to be used
-/// then.
+/// Safe to use from any thread. A call throws exceptions that refusal_of() converts; its reply is invalid then.
 class Handlers {
  public:
-  /// `commit`: of the program, may be empty. The session outlives this.
+  /// `commit`: of the program, may be empty. The session must outlive this object.
   Handlers(RenderSession& session, EgoMasks ego_masks, std::string commit, HandlerOptions options = {});
 
   void get_version(proto_common::VersionId& reply) const;
@@ -45,13 +44,13 @@ class Handlers {
   void get_dynamic_objects(const Call& call,
                            const proto::AvailableDynamicObjectsRequest& request,
                            proto::AvailableDynamicObjectsReturn& reply) const;
-  /// Of the scene, for all clients, until restore_model_parameters. What is wrong with the edits is told in
-  /// the reply, and then nothing has changed. Refusal{kPrecondition} where HandlerOptions don't allow it.
+  /// Edits the scene for all clients until restore_model_parameters. The reply lists invalid edits; then
+  /// nothing has changed. Throws Refusal{kPrecondition} unless HandlerOptions allow it.
   void edit_assets(const Call& call,
                    const proto::EditAssetsRequest& request,
                    proto::EditAssetsResponse& reply) const;
   void restore_model_parameters(const Call& call, const proto::RestoreModelParametersRequest& request) const;
-  /// Actors with the particles of another one.
+  /// Lists actors with another actor's particles.
   void get_external_asset_objects(const Call& call,
                                   const proto::ExternalAssetObjectsRequest& request,
                                   proto::ExternalAssetObjectsReturn& reply) const;
@@ -60,7 +59,7 @@ class Handlers {
   void render_rgb(const Call& call,
                   const proto::RGBRenderRequest& request,
                   proto::RGBRenderReturn& reply) const;
-  /// What is wrong with an item is told in its place.
+  /// The reply reports errors of single items.
   void batch_render_rgb(const Call& call,
                         const proto::BatchRGBRenderRequest& request,
                         proto::BatchRGBRenderReturn& reply) const;
@@ -71,9 +70,9 @@ class Handlers {
                          const proto::AggregatedRenderRequest& request,
                          proto::AggregatedRenderReturn& reply) const;
 
-  /// What was answered under the same number holds for the same request.
+  /// Replies under the same number are valid for equal requests.
   [[nodiscard]] std::uint64_t edition() const { return session_.edition(); }
-  /// What is counted, and what there is at the moment.
+  /// Counters and gauges.
   [[nodiscard]] Metrics& metrics() const { return session_.metrics(); }
   [[nodiscard]] std::vector<Gauge> gauges() const { return session_.gauges(); }
 

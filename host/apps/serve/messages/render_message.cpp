@@ -150,7 +150,7 @@ ReturnFilter return_filter(const proto::LidarRenderRequest& request) {
 
 LidarFrame take_sweep(const Frame& frame, const ReturnFilter& filter) {
   if (!filter.most_drop && !filter.least_opacity) return frame.lidar();
-  // A frame's rays return up to a probability of a half: the filter's becomes that half.
+  // Frames drop rays with a probability above a half; this maps the filter's limit to a half.
   constexpr float kSurely = 100.0F;
   RayResults results = frame.results();
   for (std::size_t i = 0; i < results.rays; ++i) {
@@ -167,9 +167,9 @@ LidarFrame take_sweep(const Frame& frame, const ReturnFilter& filter) {
 }
 
 void print_points(const LidarModel& lidar,
-                 const LidarFrame& frame,
-                 const Shot& shot,
-                 proto::LidarRenderReturn& reply) {
+                  const LidarFrame& frame,
+                  const Shot& shot,
+                  proto::LidarRenderReturn& reply) {
   const std::vector<Eigen::Vector3d> ends = points_of(lidar, frame, shot, PointFrame::kWorld);
   const Pose end_from_world = shot.world_from_sensor_end.inverse();
   const auto* const with_rows = std::get_if<Lidar>(&lidar);

@@ -1,5 +1,5 @@
 #pragma once
-// What is asked for of a picture or a sweep, and what becomes of a frame.
+// Requests for pictures and sweeps, and encoding of frames.
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -11,50 +11,50 @@
 
 namespace simuli::serve {
 
-/// Of one picture: as large as the viewer's.
+/// Limit of one picture, also of the viewer.
 inline constexpr double kMostPixels = 4096.0 * 4096.0;
-/// Of a request's pictures together.
+/// Limit of all pictures of a request.
 inline constexpr double kMostPixelsTogether = 4.0 * kMostPixels;
 
-/// The camera of a request with the picture's size: the scene's own where the message says nothing else of it
-/// than get_available_cameras does, or its logical_id alone. Errors as camera_of(); Refusal{kInvalid} for
-/// sizes that are not allowed.
+/// Returns the camera of a request with the picture's size: the scene's own if the message equals the
+/// description of get_available_cameras or contains a logical_id only. Errors as in camera_of(); throws
+/// Refusal{kInvalid} for invalid sizes.
 [[nodiscard]] Camera requested_camera(const ServedScene& scene, const proto::RGBRenderRequest& request);
 
-/// How a picture is to be handed over.
+/// Encoding of a picture.
 struct PictureCode {
   proto::ImageFormat format = proto::PNG;
-  int quality = 95;  // of JPEG
+  int quality = 95;  // for JPEG
   std::optional<EgoMaskId> ego_mask;
 };
-/// Refusal{kInvalid}, Refusal{kUnimplemented} for formats that are not written, Refusal{kNotFound} for a mask
-/// that there is not.
+/// Throws Refusal{kInvalid}, Refusal{kUnimplemented} for unsupported formats, Refusal{kNotFound} for an unknown
+/// mask.
 [[nodiscard]] PictureCode picture_code(const proto::RGBRenderRequest& request, const EgoMasks& ego_masks);
 
-/// Pictures without a mask are bytes when they leave the device.
+/// Returns the order of a picture's bytes on the device; pictures without a mask are converted to bytes there.
 [[nodiscard]] PixelOrder order_of(const PictureCode& code);
-/// [3][height][width] as write_image() would round it.
+/// Returns [3][height][width], rounded as in write_image().
 [[nodiscard]] std::string planar_bytes(const Image& image);
-/// `bytes` in order_of(code).
+/// Encodes `bytes` in order_of(code).
 [[nodiscard]] std::string encoded(std::string bytes, int width, int height, const PictureCode& code);
 [[nodiscard]] std::string encoded(const Image& image, const PictureCode& code);
 
-/// Where the request names none: the protocol's types by their models here. Refusal{kInvalid}.
+/// Returns the model of a protocol's LiDAR type, for requests that name none. Throws Refusal{kInvalid}.
 [[nodiscard]] std::string lidar_name(const proto::LidarSpec& spec);
 
-/// Which rays return, by the request's filter; without one as LidarFrame has it. Refusal{kInvalid},
-/// Refusal{kUnimplemented} for the filter by distance.
+/// Selects the returned rays by the request's filter; without a filter as in LidarFrame. Throws
+/// Refusal{kInvalid}, and Refusal{kUnimplemented} for filters by distance.
 struct ReturnFilter {
-  std::optional<double> most_drop;      // probability of a drop, at most
-  std::optional<double> least_opacity;  // 1 less the light that goes on, at least
+  std::optional<double> most_drop;      // largest drop probability
+  std::optional<double> least_opacity;  // least 1 - transmittance
 };
 [[nodiscard]] ReturnFilter return_filter(const proto::LidarRenderRequest& request);
 
-/// A sweep's returns in the axes of the LiDAR at the shot's end.
+/// Returns a sweep in the LiDAR's axes at the shot's end.
 [[nodiscard]] LidarFrame take_sweep(const Frame& frame, const ReturnFilter& filter);
 void print_points(const LidarModel& lidar,
-                 const LidarFrame& frame,
-                 const Shot& shot,
-                 proto::LidarRenderReturn& reply);
+                  const LidarFrame& frame,
+                  const Shot& shot,
+                  proto::LidarRenderReturn& reply);
 
 }  // namespace simuli::serve

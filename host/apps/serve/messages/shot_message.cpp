@@ -11,7 +11,7 @@
 namespace simuli::serve {
 namespace {
 
-/// `pair` over the frame, in the world.
+/// Start and end pose of a frame in world coordinates.
 struct Poses {
   Pose start, end;
 };
@@ -79,7 +79,7 @@ proto_common::Pose message_of(const Pose& pose) {
 }
 
 Pose pose_of(const proto_common::Pose& message, const std::string& field) {
-  constexpr double kTolerance = 1e-3;  // of the quaternion's norm: single precision has 1e-7
+  constexpr double kTolerance = 1e-3;  // of the quaternion's norm; single precision needs 1e-7
   const proto_common::Vec3& at = message.vec();
   const proto_common::Quat& q = message.quat();
   const Eigen::Vector3d place(at.x(), at.y(), at.z());
@@ -107,7 +107,7 @@ Shot camera_shot(const ServedScene& scene, const FrameMessage& frame, const Came
       camera.shutter == ShutterKind::kTopToBottom || camera.shutter == ShutterKind::kBottomToTop;
   const int lines = runs_down ? camera.height : camera.width;
   if (lines < 2) return shot;
-  const double beyond = 0.5 / (lines - 1);  // of the frame
+  const double beyond = 0.5 / (lines - 1);  // share of the frame
   const double more_s = beyond * (shot.time_end_s - shot.time_start_s);
   if (!same(shot.world_from_sensor_start, shot.world_from_sensor_end)) {
     const Pose start = shot.pose_at(-beyond), end = shot.pose_at(1.0 + beyond);

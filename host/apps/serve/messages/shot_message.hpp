@@ -1,5 +1,5 @@
 #pragma once
-// Poses, times and actors as messages say them.
+// Conversion of poses, times and actors from messages.
 #include <cstdint>
 #include <string>
 
@@ -11,22 +11,22 @@
 namespace simuli::serve {
 
 [[nodiscard]] proto_common::Pose message_of(const Pose& pose);
-/// Refusal{kInvalid} naming `field` for one that is missing or none.
+/// Throws Refusal{kInvalid} naming `field` for a missing or invalid pose.
 [[nodiscard]] Pose pose_of(const proto_common::Pose& message, const std::string& field);
 
-/// What requests for pictures and sweeps have in common.
+/// Parts that requests for pictures and sweeps share.
 struct FrameMessage {
   std::uint64_t start_us, end_us;
   const proto::PosePair& sensor_pose;
   const google::protobuf::RepeatedPtrField<proto::DynamicObject>& dynamic_objects;
 };
 
-/// Actors that are named are where the request has them; all others are not there, but who was inserted with
-/// a track of its own. A global shutter's moment is the frame's start. A rolling one's first row is exposed
-/// at the start and its last at the end; ours count from the picture's edge to its other edge, half a row
-/// more at either end. Refusal{kInvalid} naming the field, Refusal{kOutOfRange}.
+/// Returns the shot of a picture. Actors in the request have its poses; all other actors are absent, except
+/// inserted ones with tracks. A global shutter exposes at the frame's start. A rolling shutter exposes the
+/// first row at the start and the last row at the end; this project's times refer to the picture's edges, half
+/// a row beyond either. Throws Refusal{kInvalid} naming the field, Refusal{kOutOfRange}.
 [[nodiscard]] Shot camera_shot(const ServedScene& scene, const FrameMessage& frame, const Camera& camera);
-/// The same of a LiDAR, whose first ray leaves at the start and which is back there at the end.
+/// Returns the shot of a sweep: the first ray leaves at the start, and the revolution ends at the end.
 [[nodiscard]] Shot lidar_shot(const ServedScene& scene, const FrameMessage& frame);
 
 }  // namespace simuli::serve

@@ -30,13 +30,13 @@ using NurecService = ::nurec::grpc::protos::sensorsim::SensorsimService;
 using grpc::ServerContext;
 using grpc::Status;
 
-constexpr int kMostStreams = 64;      // of a connection, at once
+constexpr int kMostStreams = 64;      // of a connection, at the same time
 constexpr int kWaitingThreads = 128;  // of requests that wait for a worker
-// Of all connections together: requests that have not come whole. Beyond it those are given up.
+// Of incomplete requests of all connections; the server cancels them beyond this size.
 constexpr std::size_t kMostRequestBytes = std::size_t{256} << 20U;
 constexpr const char* kLidarKey = "x-simuli-lidar";
 
-/// As the protocol's documents spell it.
+/// Returns the name in the protocol's documentation.
 const char* name_of(grpc::StatusCode code) {
   switch (code) {
     case grpc::OK:
@@ -71,7 +71,7 @@ Call call_of(const ServerContext& context) {
   return call;
 }
 
-/// Tells when the library lets go of a call: nothing else does.
+/// Reports the end of a call; the library offers no other notification.
 class CallEnds final : public grpc::experimental::ServerInterceptorFactoryInterface {
  public:
   explicit CallEnds(UnreadReplies& replies) : replies_(replies) {}
@@ -93,13 +93,13 @@ class CallEnds final : public grpc::experimental::ServerInterceptorFactoryInterf
   UnreadReplies& replies_;
 };
 
-/// By a client.
+/// End of a call by its client.
 struct End {
   bool is_allowed = false;
   std::atomic<bool> is_asked_for{false};
 };
 
-/// The service under one of its names.
+/// The service under one of its two names.
 template <class Base>
 class Sensorsim final : public Base::Service {
  public:
@@ -228,7 +228,7 @@ class Sensorsim final : public Base::Service {
       grpc_call_cancel_with_status(
           call, GRPC_STATUS_RESOURCE_EXHAUSTED, "reply: found a client that does not read it", nullptr);
     });
-    // After begin(): who reads that a call has ended finds its reply among those that wait.
+    // Counted after begin(), so that a client that reads the reply finds the call in the metrics.
     handlers_.metrics().count_call(name, name_of(status.error_code()), watch.seconds(), bytes);
     --at_work_;
     return status;
@@ -256,7 +256,7 @@ class Sensorsim final : public Base::Service {
     throw_if_cancelled(call.is_given_up);
     work(call);
   }
-  /// One answer for all who ask the same of the same scenes meanwhile.
+  /// Computes one reply for all concurrent equal requests for the same scenes.
   template <class Request, class Reply, class Work>
   Status shared(const char* name,
                 ServerContext* context,
@@ -313,7 +313,7 @@ std::string address_of(const std::string& host, int port) {
                                              : fmt::format("[{}]:{}", host, port);
 }
 
-/// Errors reach who asked; on stderr the libraries' own lines would be read by nobody.
+/// Silences the libraries' own output on stderr; errors are sent to the clients.
 void silence_libraries() {
   gpr_set_log_function([](gpr_log_func_args* /*line*/) {});
   google::protobuf::SetLogHandler(nullptr);
@@ -334,10 +334,10 @@ struct Server::Impl {
   const Handlers& handlers;
   ServerOptions options;
   FairQueue workers;
-  SharedWork rendering;  // by either name
+  SharedWork rendering;  // shared by both names
   UnreadReplies replies;
   End end;
-  std::atomic<int> at_work{0};  // calls whose reply is not made
+  std::atomic<int> at_work{0};  // calls without a finished reply
   Sensorsim<NreService> nre;
   Sensorsim<NurecService> nurec;
   std::unique_ptr<grpc::Server> server;
@@ -364,7 +364,7 @@ Server::Server(const Handlers& handlers, const ServerOptions& options)
   std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
   interceptors.push_back(std::make_unique<CallEnds>(impl_->replies));
   builder.experimental().SetInterceptorCreators(std::move(interceptors));
-  // The library unpacks a request whole before it looks how large that is.
+  // The library decompresses a request before it checks its size.
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
   builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
@@ -374,7 +374,8 @@ Server::Server(const Handlers& handlers, const ServerOptions& options)
   const int age_ms = static_cast<int>(options.connection_age.count());
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, age_ms);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, age_ms);
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // else a second server takes half of the calls
+  // otherwise a second server on the port would get half of the calls
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.AddListeningPort(address_of(options.host, options.port), credentials_of(options), &impl_->port);
   builder.RegisterService(&impl_->nre);
   builder.RegisterService(&impl_->nurec);
@@ -418,8 +419,8 @@ std::string Server::metrics() const {
 void Server::drain(std::chrono::milliseconds patience) {
   if (!impl_->server) return;
   impl_->set_serving(false);
-  // The library asks each connection whether it is there, and waits 20 s for those that are not: who has begun
-  // nothing is cut off.
+  // The library pings each connection and waits 20 s for silent ones; connections without calls are closed at
+  // once.
   std::mutex mutex;
   std::condition_variable_any changed;
   std::jthread cutter([&](const std::stop_token& is_done) {

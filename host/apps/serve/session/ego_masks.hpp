@@ -1,5 +1,5 @@
 #pragma once
-// Pictures of one's own vehicle, as its cameras see it, over what is rendered.
+// Pictures of the ego vehicle as seen by its cameras, drawn over rendered pictures.
 #include <compare>
 #include <filesystem>
 #include <map>
@@ -13,26 +13,26 @@ namespace simuli::serve {
 
 struct EgoMaskId {
   std::string rig;
-  std::string camera;  // its name
+  std::string camera;  // name of the camera
   auto operator<=>(const EgoMaskId&) const = default;
 };
 
-/// A folder of them: RIG/CAMERA.png, with alpha. Safe to use from any thread.
+/// A folder of pictures with alpha: RIG/CAMERA.png. Safe to use from any thread.
 class EgoMasks {
  public:
-  /// None at all.
+  /// Contains no masks.
   EgoMasks() = default;
-  /// Reads them. Error{kInput} for a folder or a picture that can't be read.
+  /// Reads the folder. Throws Error{kInput} for an unreadable folder or picture.
   explicit EgoMasks(const std::filesystem::path& folder);
 
   [[nodiscard]] std::vector<EgoMaskId> ids() const;
-  /// Refusal{kNotFound} naming those there are.
+  /// Throws Refusal{kNotFound} with the available names for an unknown mask.
   void need(const EgoMaskId& id) const;
-  /// Lays one over a picture of three channels and any size, to which it is scaled.
+  /// Draws a mask over a picture with three channels of any size, to which the mask is scaled.
   void lay_over(Image& picture, const EgoMaskId& id) const;
 
  private:
-  std::map<EgoMaskId, Image> ego_masks_;  // colours times alpha, alpha
+  std::map<EgoMaskId, Image> ego_masks_;  // colours times alpha, and alpha
 };
 
 }  // namespace simuli::serve

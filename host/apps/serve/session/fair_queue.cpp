@@ -23,7 +23,7 @@ struct FairQueue::Ticket::Queue {
   std::mutex mutex;
   std::condition_variable changed;
   std::set<std::size_t> free;
-  std::list<int> waiting;  // who came first stands first; the numbers say nothing
+  std::list<int> waiting;  // in order of arrival; the numbers have no meaning
 
   explicit Queue(std::size_t places) {
     for (std::size_t place = 0; place < places; ++place) free.insert(place);

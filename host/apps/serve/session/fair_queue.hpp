@@ -1,5 +1,5 @@
 #pragma once
-// A queue for something that only so many callers use at a time.
+// A queue for a resource with a limited number of concurrent users.
 #include <condition_variable>
 #include <cstddef>
 #include <functional>
@@ -9,20 +9,20 @@
 
 namespace simuli::serve {
 
-/// Whether nobody waits for the answer any more.
+/// Whether no caller waits for the result any more.
 using IsGivenUp = std::function<bool()>;
-/// Of work that is always finished.
+/// Returns a predicate for work that is never cancelled.
 [[nodiscard]] bool never_given_up();
 
-/// Refusal{kCancelled} once it says so.
+/// Throws Refusal{kCancelled} if the predicate is true.
 void throw_if_cancelled(const IsGivenUp& is_given_up);
 
-/// Up to `places` callers at a time, in the order in which they came. A handle: copies mean the same queue.
+/// Admits up to `places` callers at a time, in order of arrival. A handle: copies refer to the same queue.
 class FairQueue {
  public:
   explicit FairQueue(std::size_t places);
 
-  /// A place, until it is destroyed. Move-only.
+  /// A place, held until destruction. Move-only.
   class Ticket {
    public:
     Ticket(Ticket&&) noexcept = default;
@@ -30,7 +30,7 @@ class FairQueue {
     Ticket(const Ticket&) = delete;
     Ticket& operator=(const Ticket&) = delete;
     ~Ticket();
-    /// Which of the places, from 0: the first that was free.
+    /// Returns the index of the place: the first free one.
     [[nodiscard]] std::size_t place() const { return place_; }
 
    private:
@@ -41,12 +41,12 @@ class FairQueue {
     std::size_t place_;
   };
 
-  /// Waits for a place. Refusal{kCancelled} once `is_given_up` says so, which is asked some 50 times a
-  /// second.
+  /// Waits for a place. Throws Refusal{kCancelled} if `is_given_up`, which is called about 50 times per second,
+  /// returns true.
   [[nodiscard]] Ticket take(const IsGivenUp& is_given_up = never_given_up) const;
-  /// Callers without a place.
+  /// Returns the number of waiting callers.
   [[nodiscard]] std::size_t waiting() const;
-  /// Places that nobody has.
+  /// Returns the number of free places.
   [[nodiscard]] std::size_t free() const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// What a server counts of itself, in Prometheus' text format.
+// Metrics of a server in Prometheus' text format.
 #include <array>
 #include <cstdint>
 #include <map>
@@ -9,25 +9,25 @@
 
 namespace simuli::serve {
 
-/// Where the time of a request goes.
+/// Stages of a request whose durations are measured.
 enum class RequestStage { kWorkerWait, kSceneRead, kDeviceWait, kRendering, kEncoding };
 
-/// Durations in s, by how long they are.
+/// Histogram of durations in s.
 class Histogram {
  public:
   static constexpr std::array<double, 14> kBounds_s{
       0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 60.0};
 
   void add(double seconds);
-  /// `_bucket` lines, `_sum` and `_count` of one combination of labels: "call=\"render_rgb\"".
+  /// Returns the lines `_bucket`, `_sum` and `_count` for one set of labels: "call=\"render_rgb\"".
   [[nodiscard]] std::string text(const std::string& name, const std::string& labels) const;
 
  private:
-  std::array<std::uint64_t, kBounds_s.size() + 1> counts_{};  // the last: longer than all bounds
+  std::array<std::uint64_t, kBounds_s.size() + 1> counts_{};  // the last counter: above all bounds
   double sum_s_ = 0.0;
 };
 
-/// What somebody else knows when it is asked for.
+/// A value that is read when metrics are requested.
 struct Gauge {
   std::string name, help;
   double value = 0.0;
@@ -36,7 +36,7 @@ struct Gauge {
 /// Safe to use from any thread.
 class Metrics {
  public:
-  /// Of a call that was answered with a status, by its name in the protocol: "OK", "NOT_FOUND".
+  /// Counts a call by its name in the protocol and its status: "OK", "NOT_FOUND".
   void count_call(const std::string& call,
                   const std::string& status,
                   double seconds,
@@ -47,7 +47,7 @@ class Metrics {
   void count_load();
   void count_eviction();
 
-  /// Everything, each metric once, in an order of its own; gauges behind it.
+  /// Returns all metrics in a fixed order, followed by the gauges.
   [[nodiscard]] std::string text(std::span<const Gauge> gauges = {}) const;
 
  private:
@@ -58,7 +58,7 @@ class Metrics {
   };
   mutable std::mutex mutex_;
   std::map<std::string, OfCall> calls_;
-  std::array<Histogram, 5> stages_;  // by RequestStage
+  std::array<Histogram, 5> stages_;  // indexed by RequestStage
   std::uint64_t rendered_ = 0, failed_ = 0;
   std::uint64_t hits_ = 0, loads_ = 0, evictions_ = 0;
 };

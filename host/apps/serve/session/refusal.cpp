@@ -25,14 +25,14 @@ RefusalKind kind_of(ErrorKind kind) {
   return RefusalKind::kInternal;
 }
 
-/// Statuses travel in a header: long ones are refused by clients.
+/// Shortens a message: statuses are sent in a header, and clients refuse long ones.
 std::string short_line(const std::string& message) {
   constexpr std::size_t kMost = 1000;
   std::string line = on_one_line(message);
   if (line.size() <= kMost) return line;
   std::size_t end = kMost;
   while (end > 0 && (static_cast<unsigned char>(line[end]) & 0xC0U) == 0x80U)
-    --end;  // no part of a character
+    --end;  // avoid splitting a character
   line.resize(end);
   return line + "...";
 }

@@ -1,12 +1,12 @@
 #pragma once
-// Why a request gets no answer.
+// Reasons for refused requests.
 #include <exception>
 #include <stdexcept>
 #include <string>
 
 namespace simuli::serve {
 
-/// The values are those of gRPC's status codes.
+/// Values equal gRPC's status codes.
 enum class RefusalKind : int {
   kCancelled = 1,
   kInvalid = 3,
@@ -19,7 +19,7 @@ enum class RefusalKind : int {
   kInternal = 13,
 };
 
-/// What a client is told: one line.
+/// An error message to a client: one line.
 class Refusal : public std::runtime_error {
  public:
   Refusal(RefusalKind kind, const std::string& message);
@@ -29,11 +29,11 @@ class Refusal : public std::runtime_error {
   RefusalKind kind_;
 };
 
-/// Refusal{kInvalid} reading "FIELD: found FOUND, allowed ALLOWED".
+/// Throws Refusal{kInvalid} with "FIELD: found FOUND, allowed ALLOWED".
 [[noreturn]] void refuse(const std::string& field, const std::string& found, const std::string& allowed);
 
-/// What a client is told of an error while its request was handled: what a request's numbers led to is
-/// kInvalid, a device or host without memory kExhausted, and what is no fault of the request's kInternal.
+/// Converts an exception of a request to a refusal: errors caused by the request's values are kInvalid, a
+/// device or host without memory is kExhausted, all others are kInternal.
 [[nodiscard]] Refusal refusal_of(const std::exception_ptr& error);
 
 }  // namespace simuli::serve

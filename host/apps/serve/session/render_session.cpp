@@ -33,7 +33,7 @@ std::string RenderSession::devices() const {
   return fmt::format("{}", fmt::join(labels, ", "));
 }
 
-/// What is on a device goes while nobody uses that one, whoever holds the scene last.
+/// Scenes are destroyed while no other thread uses their devices, whichever owner is the last.
 RenderSession::ScenePtr RenderSession::owned(std::unique_ptr<ServedScene> scene) const {
   scene->on_devices_.resize(slots_->size());
   return {scene.release(), [slots = slots_](ServedScene* last) {
@@ -76,7 +76,7 @@ void RenderSession::forget(const std::string& id) {
 std::shared_future<RenderSession::ScenePtr> RenderSession::keep(const SceneSource& source) {
   std::promise<ScenePtr> promise;
   std::shared_future<ScenePtr> scene;
-  std::list<CachedScene> dropped;  // goes when nothing is locked any more
+  std::list<CachedScene> dropped;  // destroyed after all locks are released
   bool is_ours = false;
   {
     const std::lock_guard lock(mutex_);
@@ -91,7 +91,7 @@ std::shared_future<RenderSession::ScenePtr> RenderSession::keep(const SceneSourc
     }
     scene = kept_.front().scene;
   }
-  dropped.clear();  // before another one takes memory
+  dropped.clear();  // frees memory before the next scene is read
   if (is_ours) {
     try {
       const Stopwatch watch;
@@ -120,7 +120,7 @@ RenderSession::ScenePtr RenderSession::open(const std::string& id, const IsGiven
     for (const SceneSource& s : options_.scenes) known.push_back(s.id);
     constexpr std::size_t kMaxReported = 10;
     const std::string allowed = known.size() <= kMaxReported ? fmt::format("{}", fmt::join(known, ", "))
-                                                          : fmt::format("one of {}", known.size());
+                                                             : fmt::format("one of {}", known.size());
     throw Refusal(RefusalKind::kNotFound,
                   fmt::format("scene_id: found \"{}\", {}allowed {}", id, did_you_mean(id, known), allowed));
   }
@@ -155,7 +155,7 @@ void RenderSession::restore(const std::string& id, const IsGivenUp& is_given_up)
 void RenderSession::replace(const std::string& id, ScenePtr scene, const std::optional<SceneEdit>& edit) {
   std::promise<ScenePtr> promise;
   promise.set_value(std::move(scene));
-  std::list<CachedScene> dropped;  // goes when mutex_ is free again
+  std::list<CachedScene> dropped;  // destroyed after mutex_ is released
   const std::lock_guard lock(mutex_);
   ++edition_;
   if (edit) {
@@ -223,7 +223,7 @@ void RenderSession::render_on_one(ServedScene& scene,
   Stopwatch watch;
   const FairQueue::Ticket ticket = queue_.take(is_given_up);
   metrics_.add_time(RequestStage::kDeviceWait, watch.seconds());
-  if (next >= jobs.size()) return;  // others have had them meanwhile
+  if (next >= jobs.size()) return;  // other threads have taken the remaining jobs
   watch = {};
   Slot& slot = *(*slots_)[ticket.place()];
   const std::lock_guard lock(slot.mutex);

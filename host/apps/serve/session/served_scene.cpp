@@ -12,7 +12,7 @@
 namespace simuli::serve {
 namespace {
 
-/// Of names that a client makes up: modes of built-in LiDARs.
+/// Limit of cached sensors by client-defined names (modes of built-in LiDARs).
 constexpr std::size_t kMostLidars = 16;
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace simuli::serve {
 struct SharedWork::Task {
   std::promise<Result> promise;
   std::shared_future<Result> result{promise.get_future()};
-  std::size_t wanting = 1;  // who waits for it; under mutex_, and never more again once it is 0
+  std::size_t wanting = 1;  // callers that wait for the result; under mutex_; never increases from 0
 };
 
 SharedWork::Result SharedWork::get(const std::string& key, const Work& work, const IsGivenUp& is_given_up) {
@@ -18,7 +18,7 @@ SharedWork::Result SharedWork::get(const std::string& key, const Work& work, con
   {
     const std::lock_guard lock(mutex_);
     std::shared_ptr<Task>& known = tasks_[key];
-    is_own = known == nullptr || known->wanting == 0;  // one that nobody waits for ends by itself
+    is_own = known == nullptr || known->wanting == 0;  // a task without waiting callers ends on its own
     if (is_own) {
       known = std::make_shared<Task>();
     } else {

@@ -1,5 +1,5 @@
 #pragma once
-// Work that several callers ask for at once.
+// Work that several concurrent callers share.
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -11,17 +11,19 @@
 
 namespace simuli::serve {
 
-/// Done once for all who ask while it is under way; nothing is kept behind it. Safe to use from any thread.
+/// Runs work once for all callers with the same key while it is in progress; caches nothing. Safe to use from
+/// any thread.
 class SharedWork {
  public:
   using Result = std::shared_ptr<const void>;
-  /// What it is given says that none of those who asked waits any more.
+  /// `is_given_up` is true if no caller waits any more.
   using Work = std::function<Result(const IsGivenUp& is_given_up)>;
 
-  /// The result of `work`, or of another caller's under the same key, and what that throws.
-  /// Refusal{kCancelled} once `is_given_up` says so, which ends the work when nobody else waits for it.
+  /// Returns the result of `work`, or of another caller's work under the same key, or throws its exception.
+  /// Throws Refusal{kCancelled} if `is_given_up` returns true, which cancels the work if no other caller waits
+  /// for it.
   [[nodiscard]] Result get(const std::string& key, const Work& work, const IsGivenUp& is_given_up);
-  /// Callers so far who found another one's work under way.
+  /// Returns the number of calls so far that shared the work of another caller.
   [[nodiscard]] std::size_t shared() const;
 
  private:
@@ -29,7 +31,7 @@ class SharedWork {
   [[nodiscard]] Result wait_for(const std::shared_ptr<Task>& task, const IsGivenUp& is_given_up);
 
   mutable std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<Task>> tasks_;  // under way
+  std::map<std::string, std::shared_ptr<Task>> tasks_;  // in progress
   std::size_t shared_ = 0;
 };
 

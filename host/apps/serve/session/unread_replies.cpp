@@ -74,7 +74,7 @@ UnreadReplies::Clock::time_point UnreadReplies::give_up_due(Clock::time_point no
       continue;
     }
     bytes -= reply.bytes;
-    std::exchange(reply.give_up, nullptr)();  // with the lock: the call is still there
+    std::exchange(reply.give_up, nullptr)();  // under the lock, so that the call still exists
   }
   return next;
 }

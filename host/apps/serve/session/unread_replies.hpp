@@ -1,5 +1,5 @@
 #pragma once
-// Replies that clients have not taken yet: what each of them holds of the server, and for how long.
+// Replies that clients have not read yet, with limits of their memory and time.
 #include <chrono>
 #include <condition_variable>
 #include <cstddef>
@@ -12,15 +12,15 @@
 
 namespace simuli::serve {
 
-/// A client may take its time as long as there is room: each reply keeps its bytes and a thread.
+/// Limits of unread replies. Each reply holds its bytes and a thread; a client may be slow while there is room.
 struct ReplyLimits {
-  std::chrono::milliseconds patience{30000};  // with one reply, and a second for each MiB of it
-  std::chrono::milliseconds hurried{2000};    // beyond `most`, and a second for each 16 MiB of it
+  std::chrono::milliseconds patience{30000};  // per reply, plus one second per MiB
+  std::chrono::milliseconds hurried{2000};    // with more than `most` replies, plus one second per 16 MiB
   std::size_t most_bytes = std::size_t{256} << 20U;
-  std::size_t most = 64;  // of the threads that requests have, half
+  std::size_t most = 64;  // half of the request threads
 };
 
-/// Gives up replies that are not taken, those that have waited longest first. Safe to use from any thread.
+/// Cancels replies that are not read, the oldest first. Safe to use from any thread.
 class UnreadReplies {
  public:
   explicit UnreadReplies(const ReplyLimits& limits = {});
@@ -28,12 +28,12 @@ class UnreadReplies {
   UnreadReplies& operator=(const UnreadReplies&) = delete;
   ~UnreadReplies();
 
-  /// From now on `call` waits for its client. `give_up` is called at most once, before end() returns.
+  /// Registers a reply that waits for its client. `give_up` is called at most once, before end() returns.
   void begin(const void* call, std::size_t bytes, std::function<void()> give_up);
-  /// The reply is taken, or given up. Calls that never began are ignored.
+  /// Unregisters a reply that was read or cancelled. Ignores unregistered calls.
   void end(const void* call);
-  /// Waits until replies leave room for another one: what is kept is bounded by `most_bytes` and the replies
-  /// that are at work. Refusal{kCancelled} once `is_given_up` says so.
+  /// Waits until there is room for another reply: memory is bounded by `most_bytes` and the replies in
+  /// progress. Throws Refusal{kCancelled} if `is_given_up` returns true.
   void need_room(const IsGivenUp& is_given_up);
   [[nodiscard]] std::size_t count() const;
 
@@ -42,9 +42,9 @@ class UnreadReplies {
   struct Reply {
     Clock::time_point since;
     std::size_t bytes = 0;
-    std::function<void()> give_up;  // empty: it has been
+    std::function<void()> give_up;  // empty after the call
   };
-  /// The lock is the caller's. When to look again.
+  /// The caller holds the lock. Returns the time of the next check.
   [[nodiscard]] Clock::time_point give_up_due(Clock::time_point now);
   void watch();
 
@@ -54,7 +54,7 @@ class UnreadReplies {
   std::map<const void*, Reply> replies_;
   std::size_t bytes_ = 0;
   bool is_ended_ = false;
-  std::thread watcher_;  // last: it uses all of them
+  std::thread watcher_;  // last, because it uses all other members
 };
 
 }  // namespace simuli::serve
