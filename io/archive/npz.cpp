@@ -8,13 +8,13 @@
 namespace simuli {
 namespace {
 
-/// As a .npy file, format 1.0.
+/// Returns an array as a .npy file, format 1.0.
 std::string npy(const std::string& dtype, const std::vector<std::size_t>& shape, const std::string& data) {
   std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}{}), }}",
                                    dtype,
                                    fmt::join(shape, ", "),
                                    shape.size() == 1 ? "," : "");
-  constexpr std::size_t kFrame = 10, kAlignment = 64;  // magic, version and length; where the data start
+  constexpr std::size_t kFrame = 10, kAlignment = 64;  // magic, version and length; alignment of the data
   while ((kFrame + header.size() + 1) % kAlignment != 0) header.push_back(' ');
   header.push_back('\n');
   std::string out("\x93NUMPY\x01\x00", 8);

@@ -1,5 +1,5 @@
 #pragma once
-// Arrays of numbers for NumPy.
+// Numeric arrays in NumPy's format.
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -8,12 +8,12 @@
 
 namespace simuli {
 
-/// The bytes of a .npz file: arrays, little endian and row-major, stored as they are.
+/// Builds a .npz file: uncompressed little-endian row-major arrays.
 class Npz {
  public:
   /// `file` is named in errors.
   explicit Npz(std::string file) : zip_(std::move(file)) {}
-  /// dtype: NumPy's, "<f4"; data: the array's bytes. Error{kInput} when the file would have more than 4 GiB.
+  /// dtype: NumPy's, "<f4"; data: the array's bytes. Throws Error{kInput} if the file would exceed 4 GiB.
   void add(const std::string& name,
            const std::string& dtype,
            const std::vector<std::size_t>& shape,

@@ -9,15 +9,15 @@ namespace simuli {
 namespace {
 
 constexpr std::size_t kLocalHeader = 30, kDirectoryEntry = 46;
-constexpr std::size_t kExtraHeader = 4;     // of an extra field: what it is, its length
-constexpr std::uint64_t kPadding = 0xd935;  // the extra field that others pad with, too
-constexpr std::size_t kMost = 0xffffffffU;  // of the format without its extension
+constexpr std::size_t kExtraHeader = 4;     // id and length of an extra field
+constexpr std::uint64_t kPadding = 0xd935;  // id of an extra field for padding, as used by other writers
+constexpr std::size_t kMost = 0xffffffffU;  // limit of the format without ZIP64
 constexpr std::uint64_t kFirstOfJanuary1980 = 0x21;
 
 }  // namespace
 
 void StoredZip::add(const std::string& name, const std::string& bytes) {
-  // Between the name and what the file holds is room for what nobody reads.
+  // Pads between the name and the data with an extra field that readers ignore.
   const std::size_t end = out_.size() + kLocalHeader + name.size();
   std::size_t extra = (alignment_ - end % alignment_) % alignment_;
   while (extra > 0 && extra < kExtraHeader) extra += alignment_;
@@ -25,7 +25,7 @@ void StoredZip::add(const std::string& name, const std::string& bytes) {
     throw_input_error(file_, "size", "more than 4 GiB", "less, or another format");
   }
   const auto crc = crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
-  std::string entry;                   // what the local header and the directory share
+  std::string entry;                   // fields that the local header and the directory share
   append_little_endian(entry, 20, 2);  // version 2.0
   append_little_endian(entry, 0, 2);
   append_little_endian(entry, 0, 2);  // stored
@@ -36,7 +36,7 @@ void StoredZip::add(const std::string& name, const std::string& bytes) {
   append_little_endian(entry, bytes.size(), 4);
   append_little_endian(entry, name.size(), 2);
   directory_ += std::string("PK\x01\x02\x14\x00", 6) + entry;
-  directory_.append(12, '\0');  // no extra field and no comment here, the first disk, no attributes
+  directory_.append(12, '\0');  // no extra field, no comment, first disk, no attributes
   append_little_endian(directory_, out_.size(), 4);
   directory_ += name;
   append_little_endian(entry, extra, 2);

@@ -1,18 +1,18 @@
 #pragma once
-// Zip archives whose files stand in them as they are.
+// Zip archives of uncompressed files.
 #include <cstddef>
 #include <string>
 
 namespace simuli {
 
-/// The bytes of a zip archive without compression and without dates (all are the earliest that zip knows).
+/// Builds a zip archive without compression and with the earliest possible dates.
 class StoredZip {
  public:
-  /// `file` is named in errors. What each file holds begins at a multiple of `alignment`: 1, or a power of
-  /// two up to 4096.
+  /// `file` is named in errors. The data of each file begins at a multiple of `alignment`: 1, or a power of two
+  /// up to 4096.
   explicit StoredZip(std::string file, std::size_t alignment = 1)
       : file_(std::move(file)), alignment_(alignment) {}
-  /// Error{kInput} when the archive would have more than 4 GiB.
+  /// Throws Error{kInput} if the archive would exceed 4 GiB.
   void add(const std::string& name, const std::string& bytes);
   [[nodiscard]] std::string finish() const;
 

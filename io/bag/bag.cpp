@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The parts of one recording, one after the other.
+/// The parts of a split recording, in order.
 class BagParts : public Bag {
  public:
   explicit BagParts(const std::vector<fs::path>& files) {
@@ -36,19 +36,19 @@ class BagParts : public Bag {
   std::vector<std::unique_ptr<const Bag>> parts_;
 };
 
-/// NAME_2 before NAME_10, as recorders number them.
+/// Sorts NAME_2 before NAME_10, as recorders number their parts.
 bool is_before(const fs::path& a, const fs::path& b) {
   const std::string x = a.string(), y = b.string();
   return std::pair(x.size(), x) < std::pair(y.size(), y);
 }
 
-/// What a file is that is no recording of ROS 2, and what makes it one.
+/// A file type that is not a ROS 2 recording, and its signature.
 struct Other {
   std::string_view first_bytes;
   const char *found, *tool;
 };
 
-/// By its first bytes, whatever it is called; null for what may be a recording.
+/// Detects the type by the first bytes, independent of the name; null for a possible recording.
 const Other* other_kind(const fs::path& file) {
   using namespace std::string_view_literals;
   constexpr const char* kPacked = "one that is compressed whole";
@@ -77,8 +77,8 @@ std::string name_of(std::string_view entry) {
   return std::string(entry.substr(first, entry.find_last_not_of(kAround) + 1 - first));
 }
 
-/// Only this file tells of messages that the recorder compressed one by one, which are no CDR, and of parts that are
-/// not there. It keeps its names when the parts are renamed.
+/// metadata.yaml is the only file that lists parts, which may be missing, and per-message compression, which is
+/// not supported. It keeps the original names when parts are renamed.
 void need_whole(const fs::path& metadata, std::size_t parts) {
   constexpr std::size_t kMost = std::size_t{64} << 20U;
   if (!is_there(metadata)) return;

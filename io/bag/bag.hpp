@@ -1,6 +1,6 @@
 #pragma once
-// Recorded messages by topic, from whatever container they are in: MCAP, rosbag2's SQLite database, or a
-// folder of several of one kind as `ros2 bag record` splits them.
+// Recorded messages by topic from MCAP files, rosbag2's SQLite databases, and folders of several such files as
+// written by `ros2 bag record`.
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace simuli {
 
-/// Where a message is from. One channel's messages come with the same object.
+/// Origin of a message. All messages of a channel share one object.
 struct BagChannel {
   std::string topic;
   std::string type;      // "sensor_msgs/msg/Image"
@@ -19,23 +19,22 @@ struct BagChannel {
 
 class Bag {
  public:
-  /// `data` lives as long as the call.
+  /// `data` is valid during the call only.
   using OnMessage =
       std::function<void(const BagChannel& channel, std::uint64_t log_ns, std::string_view data)>;
   using Wanted = std::function<bool(const BagChannel& channel)>;
 
   virtual ~Bag() = default;
-  /// All messages that are wanted, in the order in which they stand in the file, of which a part at a time is
-  /// in memory. Error{kInput} naming file and field for damaged and truncated files, once that part is
-  /// reached.
+  /// Calls `on_message` for all wanted messages in file order, with one chunk in memory at a time. Throws
+  /// Error{kInput} naming file and field for damaged and truncated files, when it reaches the damage.
   virtual void read(const Wanted& wanted, const OnMessage& on_message) const = 0;
 };
 
-/// Messages and chunks of more bytes are refused: a few bytes may say to become as many.
+/// Limit of messages and decompressed chunks, because a few bytes can claim any size.
 inline constexpr std::uint64_t kLargestChunk = std::uint64_t{1} << 28U;
 
-/// A .mcap or .db3 file, or a folder of such. Error{kInput} when it is neither, and for a kind that this
-/// build lacks.
+/// Opens a .mcap or .db3 file, or a folder of them. Throws Error{kInput} for other files and for a container
+/// that this build does not support.
 [[nodiscard]] std::unique_ptr<const Bag> open_bag(const std::filesystem::path& path);
 
 [[nodiscard]] std::unique_ptr<const Bag> open_mcap(const std::filesystem::path& file);

@@ -1,5 +1,5 @@
 #pragma once
-// What MCAP files are made of: https://mcap.dev/spec. For io/bag/mcap_*.cpp alone.
+// Constants of the MCAP format, https://mcap.dev/spec, for io/bag/mcap_*.cpp.
 #include <cstdint>
 #include <string_view>
 

@@ -1,5 +1,4 @@
-// Reads a file's data from start to end: indexes are only there to be skipped, so that a wrong one misleads
-// nobody.
+// Reads the data section sequentially and ignores indexes, so that wrong indexes have no effect.
 #include <algorithm>
 #include <fmt/format.h>
 #include <fstream>
@@ -21,7 +20,7 @@ using mcap::kMagic;
 using mcap::kRecordHead;
 using mcap::Opcode;
 
-/// The fields of a record, one after the other; `where` says which record in errors.
+/// Reads the fields of a record in order; `where` names the record in errors.
 class FieldReader {
  public:
   FieldReader(std::string_view bytes, const std::string& file, std::string where)
@@ -81,7 +80,7 @@ class McapFile : public Bag {
   struct Pass {
     const Wanted& wanted;
     const OnMessage& on_message;
-    std::map<std::uint16_t, std::string> schemas;  // names
+    std::map<std::uint16_t, std::string> schemas;  // by schema id
     struct Open {
       BagChannel channel;
       bool is_wanted;
@@ -143,7 +142,7 @@ void McapFile::read_chunk(FieldReader chunk, Pass& pass) const {
   const auto crc = static_cast<std::uint32_t>(chunk.number(4, "chunk's uncompressed_crc"));
   const std::string compression(chunk.text("chunk's compression"));
   const std::string_view packed = chunk.take(chunk.number(8, "chunk's length"), "chunk's records");
-  // What so many bytes can become at most: blocks of 2^17 bytes in 4, and not one more.
+  // Upper bound of the decompressed size: blocks of 2^17 bytes from 4 bytes, plus one block.
   const std::uint64_t most = (std::uint64_t{packed.size()} + 4) << 15U;
   if (size > most) {
     chunk.refuse("chunk's uncompressed_size",
@@ -177,7 +176,7 @@ void McapFile::read(const Wanted& wanted, const OnMessage& on_message) const {
   Pass pass{wanted, on_message, {}, {}};
   std::ifstream in(path_, std::ios::binary);
   in.seekg(static_cast<std::streamoff>(kMagic.size()));
-  std::uint32_t crc = crc_32(kMagic);  // of all bytes up to here
+  std::uint32_t crc = crc_32(kMagic);  // of all bytes so far
   const std::uint64_t end = size_ - kMagic.size();
   std::string head(kRecordHead, '\0'), content;
   const auto read_into = [&](std::string& bytes, std::uint64_t offset) {
@@ -197,7 +196,8 @@ void McapFile::read(const Wanted& wanted, const OnMessage& on_message) const {
     if (opcode == Opcode{0}) fields.refuse("opcode", "0", "1 to 255");
     if (opcode == Opcode::kFooter) fields.refuse("opcode", "a footer's", "a data end before it");
     offset += kRecordHead + left;
-    if (opcode > Opcode::kChunk && opcode != Opcode::kDataEnd) {  // indexes, attachments, what is to come
+    // indexes, attachments and future record types
+    if (opcode > Opcode::kChunk && opcode != Opcode::kDataEnd) {
       crc = crc_32(head, crc);
       for (; left > 0; left -= content.size()) {
         constexpr std::uint64_t kPiece = 1U << 20U;
@@ -208,7 +208,7 @@ void McapFile::read(const Wanted& wanted, const OnMessage& on_message) const {
       continue;
     }
     constexpr std::uint64_t kMost =
-        kLargestChunk + (1U << 16U);  // a chunk's fields beside its records are few
+        kLargestChunk + (1U << 16U);  // a chunk's fields besides its records are small
     if (left > kMost)
       fields.refuse("length", fmt::format("{} bytes", left), fmt::format("at most {}", kMost));
     content.resize(left);

@@ -14,7 +14,7 @@ namespace {
 
 using mcap::Opcode;
 
-/// The fields of one record.
+/// Appends the fields of one record.
 class FieldWriter {
  public:
   FieldWriter& u16(std::uint64_t value) { return number(value, 2); }
@@ -34,7 +34,7 @@ class FieldWriter {
     add(inner);
     return text(inner.bytes_);
   }
-  /// With opcode and length before it.
+  /// Returns the record with opcode and length.
   [[nodiscard]] std::string as(Opcode opcode) const {
     FieldWriter record;
     record.number(static_cast<std::uint64_t>(opcode), 1).u64(bytes_.size()).bytes(bytes_);
@@ -59,7 +59,7 @@ McapWriter::McapWriter(std::filesystem::path file,
       out_(file_, std::ios::binary | std::ios::trunc),
       compression_(compression),
       chunk_bytes_(chunk_bytes) {
-  if (compression_ == Compression::kZstd && !has_zstd()) (void)zstd("");  // says so
+  if (compression_ == Compression::kZstd && !has_zstd()) (void)zstd("");  // throws the error
   write(mcap::kMagic);
   write(FieldWriter().text(profile).text(std::string("simuli-cl ") + version()).as(Opcode::kHeader));
 }
@@ -120,7 +120,7 @@ void McapWriter::close_chunk() {
       index.last_ns = std::max(index.last_ns, time_ns);
     }
   }
-  index.first_ns = std::min(index.first_ns, index.last_ns);  // of a chunk without messages 0
+  index.first_ns = std::min(index.first_ns, index.last_ns);  // 0 for a chunk without messages
   const std::uint32_t crc = crc_32(chunk_);
   if (compression_ == Compression::kZstd) chunk_ = zstd(chunk_);
   index.compressed = chunk_.size();
@@ -159,8 +159,8 @@ std::string McapWriter::statistics() const {
       .u64(messages)
       .u16(schema_ids_.size())
       .u32(counts_.size())
-      .u32(0)  // attachments
-      .u32(0)  // metadata
+      .u32(0)  // number of attachments
+      .u32(0)  // number of metadata records
       .u32(chunks_.size())
       .u64(first_ns)
       .u64(last_ns)
@@ -204,7 +204,7 @@ void McapWriter::finish() {
   add_group(Opcode::kChunkIndex, chunk_indexes);
   const std::uint64_t offsets_start = written_;
   write(offsets);
-  // The checksum is over the footer's own fields before it, too.
+  // The checksum covers the footer's fields before the checksum as well.
   std::string footer = FieldWriter().u64(summary_start).u64(offsets_start).u32(0).as(Opcode::kFooter);
   footer.resize(footer.size() - 4);
   write(footer);

@@ -1,5 +1,6 @@
 #pragma once
-// MCAP files (https://mcap.dev/spec): messages in compressed chunks, with checksums, indexes and a summary.
+// Writer of MCAP files (https://mcap.dev/spec): messages in compressed chunks with checksums, indexes and a
+// summary.
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -11,8 +12,8 @@
 
 namespace simuli {
 
-/// Writes a file from start to end: whole once finish() has returned. Whoever calls gives a temporary name
-/// (io/base/file.hpp). Error{kInput} naming the file when it can't be written.
+/// Writes a file sequentially; it is complete after finish(). The caller passes a temporary name
+/// (io/base/file.hpp). Throws Error{kInput} naming the file if it cannot be written.
 class McapWriter {
  public:
   enum class Compression { kNone, kZstd };
@@ -25,17 +26,18 @@ class McapWriter {
     std::map<std::string, std::string> metadata = {};
   };
 
-  /// Error{kUsage} for a compression that this build lacks. A chunk is closed by the message that fills it.
+  /// Throws Error{kUsage} for a compression that this build does not support. The message that fills a chunk
+  /// closes it.
   McapWriter(std::filesystem::path file,
              const std::string& profile,
              Compression compression,
              std::size_t chunk_bytes = std::size_t{1} << 22U);
 
-  /// The number by which messages name it; equal schemas are written once.
+  /// Returns the channel's id for add_message(); equal schemas are written once.
   std::uint16_t add_channel(const Channel& channel);
-  /// Published when it is logged. Error{kInternal} for a channel that was not added.
+  /// The publish time equals the log time. Throws Error{kInternal} for an unknown channel.
   void add_message(std::uint16_t channel, std::uint64_t time_ns, std::string_view data);
-  /// Writes what is left, the summary and the footer.
+  /// Writes the last chunk, the summary and the footer.
   void finish();
 
  private:
@@ -55,9 +57,9 @@ class McapWriter {
   std::size_t chunk_bytes_;
   std::uint64_t written_ = 0;
   std::uint32_t crc_ = 0;
-  std::string schemas_, channels_;  // records, once more in the summary
+  std::string schemas_, channels_;  // records, repeated in the summary
   std::map<std::string, std::uint16_t> schema_ids_;
-  std::vector<std::uint64_t> counts_;  // by channel
+  std::vector<std::uint64_t> counts_;  // messages by channel
   std::vector<ChunkIndex> chunks_;
   std::string chunk_;
   std::map<std::uint16_t, Times> chunk_times_;

@@ -1,4 +1,4 @@
-// rosbag2's SQLite databases: a table of topics, a table of messages.
+// rosbag2's SQLite databases: a table of topics and a table of messages.
 #include <fmt/format.h>
 #include <map>
 #include <sqlite3.h>
@@ -22,12 +22,12 @@ class Database {
   explicit Database(const fs::path& path) : file_(path.string()) {
     need_regular_file(path);
     sqlite3* opened = nullptr;
-    // As it is: neither a lock nor a journal of who recorded it.
+    // Read-only, without locks, and without applying the recorder's journal.
     const int result = sqlite3_open_v2(path.c_str(), &opened, SQLITE_OPEN_READONLY, nullptr);
     database_.reset(opened);
     if (result != SQLITE_OK) refuse("file");
     sqlite3_limit(database_.get(), SQLITE_LIMIT_LENGTH, static_cast<int>(kLargestChunk));
-    // What a file defines itself (views, functions in its schema) is nothing to run.
+    // Defensive mode: a file's own views and functions in its schema are not executed.
     sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     sqlite3_db_config(database_.get(), SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);

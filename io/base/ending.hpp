@@ -4,7 +4,7 @@
 
 namespace simuli {
 
-/// ".mcap" of A.MCAP: cards and other systems write names in capitals.
+/// Returns the extension in lower case: ".mcap" for A.MCAP.
 [[nodiscard]] std::string ending_of(const std::filesystem::path& file);
 
 }  // namespace simuli

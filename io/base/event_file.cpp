@@ -12,7 +12,7 @@
 namespace simuli {
 namespace {
 
-// Protobuf's wire format: a key of field number and type, then the value.
+// Protobuf's wire format: a key of field number and type, followed by the value.
 constexpr unsigned kVarint = 0, kFixed64 = 1, kBytes = 2, kFixed32 = 5;
 
 void append_varint(std::string& out, std::uint64_t value) {
@@ -39,7 +39,7 @@ void append_bytes(std::string& out, unsigned field, const std::string& bytes) {
 }
 
 std::array<std::uint32_t, 256> make_crc_table() {
-  constexpr std::uint32_t kCastagnoli = 0x82F63B78U;  // bits reversed
+  constexpr std::uint32_t kCastagnoli = 0x82F63B78U;  // reversed bits
   std::array<std::uint32_t, 256> table{};
   for (std::uint32_t byte = 0; byte < 256; ++byte) {
     std::uint32_t crc = byte;

@@ -40,7 +40,7 @@ void need_regular_file(const fs::path& file) {
 }
 
 std::string read_file(const fs::path& file, std::size_t max_bytes) {
-  // A pipe without a writer would be waited for.
+  // O_NONBLOCK: opening a pipe without a writer would block.
   const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (descriptor.get() < 0) throw_errno(file, "file", "a readable file");
   struct stat info {};
@@ -88,7 +88,7 @@ void write_atomically(const fs::path& file, const std::function<void(const fs::p
   if (!fs::is_directory(parent_of(file), status)) {
     throw_input_error(file.string(), "folder", "no folder " + parent_of(file).string(), "an existing folder");
   }
-  need_regular_file(file);  // a device would be gone, with a file in its place
+  need_regular_file(file);  // a rename would replace a device by a file
   Temporary temporary(file);
   temporary.fill(write);
   temporary.become_target();

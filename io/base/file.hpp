@@ -5,18 +5,20 @@
 
 namespace simuli {
 
-/// Whole file as bytes; Error{kInput} when missing, a folder, unreadable or above max_bytes.
+/// Returns the whole file as bytes. Throws Error{kInput} if it is missing, a folder, unreadable or larger than
+/// max_bytes.
 [[nodiscard]] std::string read_file(const std::filesystem::path& file,
                                     std::size_t max_bytes = std::size_t{4} << 30U);
-/// Writes under a temporary name in the same folder, syncs, renames. Error{kInput} on failure, and
-/// then no file of that name is left behind.
+/// Writes a temporary file in the same folder, syncs and renames it. Throws Error{kInput} on failure; then the
+/// temporary file is removed.
 void write_file_atomically(const std::filesystem::path& file, const std::string& bytes);
-/// The same for libraries that write by name: `write` gets the temporary path (same extension).
+/// write_file_atomically() for libraries that write to a path: `write` receives the temporary path with the
+/// same extension.
 void write_atomically(const std::filesystem::path& file,
                       const std::function<void(const std::filesystem::path&)>& write);
-/// The same for a folder that must not exist yet: `write` fills a temporary sibling folder, which is
-/// renamed to `folder` when `write` returns and removed when it throws. Error{kInput} when `folder`
-/// exists or cannot be made.
+/// write_atomically() for a folder that must not exist: `write` fills a temporary sibling folder, which is
+/// renamed to `folder` when `write` returns and removed when it throws. Throws Error{kInput} if `folder` exists
+/// or cannot be created.
 void write_folder_atomically(const std::filesystem::path& folder,
                              const std::function<void(const std::filesystem::path&)>& write);
 

@@ -18,9 +18,9 @@
 namespace simuli {
 namespace {
 
-constexpr int kGzipWindow = 15 + 16;  // the largest window, with gzip's header and checksum
-constexpr int kAnyWindow = 15 + 32;   // with gzip's or zlib's
-/// Bytes asked of zlib at a time: as much as usually comes out of so many, within bounds.
+constexpr int kGzipWindow = 15 + 16;  // largest window, with gzip's header and checksum
+constexpr int kAnyWindow = 15 + 32;   // gzip's or zlib's header
+/// Returns the output size per call of zlib: the usual output for that much input, within bounds.
 std::size_t chunk_bytes(std::size_t in) {
   return std::clamp(4 * in, std::size_t{1} << 12U, std::size_t{1} << 20U);
 }
@@ -29,7 +29,7 @@ uInt part(std::size_t left) {
   return static_cast<uInt>(std::min<std::size_t>(left, std::numeric_limits<uInt>::max()));
 }
 
-/// Until more than most_bytes have come out; with zlib's last word.
+/// Decompresses up to more than most_bytes; returns zlib's last status as well.
 std::pair<std::string, int> inflated(const std::string& bytes, std::size_t most_bytes) {
   z_stream stream{};
   if (inflateInit2(&stream, kAnyWindow) != Z_OK) throw Error(ErrorKind::kInternal, "zlib: no memory");
@@ -109,7 +109,7 @@ std::string zstd(const std::string& bytes) {
 }
 
 std::string unzstd(const char* bytes, std::size_t count, std::size_t size, const std::string& file) {
-  // A block takes 4 bytes at least and holds 128 KiB at most: what says to hold more would only take memory.
+  // A block has at least 4 bytes and holds at most 128 KiB; larger claims would only allocate memory.
   constexpr std::size_t kMostOfByte = std::size_t{1} << 15U;
   std::string out(size / kMostOfByte <= count ? size : 0, '\0');
   const std::size_t got = ZSTD_decompress(out.data(), out.size(), bytes, count);

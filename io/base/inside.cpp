@@ -32,7 +32,7 @@ fs::path below(const fs::path& folder, const fs::path& path, std::string_view fi
 fs::path inside(const fs::path& folder, const fs::path& path, std::string_view file, std::string_view field) {
   fs::path whole = below(folder, path, file, field);
   std::error_code failed;
-  // From the working folder on, so that a folder which is not there becomes absolute, too.
+  // Relative to the working folder, so that a missing folder becomes absolute as well.
   const fs::path target = fs::weakly_canonical("." / whole, failed);
   const fs::path root =
       failed ? fs::path() : fs::weakly_canonical("." / without_trailing_slash(folder), failed);

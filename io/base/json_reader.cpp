@@ -17,10 +17,9 @@
 namespace simuli {
 namespace {
 
-/// Files are data and lists of it; what nests deeper is made to exhaust the stack of whoever walks through
-/// it.
+/// Maximum nesting depth; deeper documents could exhaust the stack of recursive readers.
 constexpr std::size_t kDeepest = 64;
-/// Of a file's own text, what one line of a message can carry.
+/// Maximum length of quoted file content in a message.
 constexpr std::size_t kLongest = 60;
 
 std::string cut(std::string text) {
@@ -28,13 +27,13 @@ std::string cut(std::string text) {
   return text;
 }
 
-/// Text as JSON, cut before it is written out: it may be the whole file.
+/// Returns text as a JSON string, shortened before it is escaped, because it may be the whole file.
 std::string quoted(const std::string& text) {
   const Json shown(text.substr(0, kLongest + 1));
   return cut(shown.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
 
-/// Appends the value on one line and stops where no more of it will be shown: values are as large as files.
+/// Appends the value on one line and stops at the displayed length, because values may be as large as files.
 void append(std::string& out, const Json& value) {
   if (out.size() > kLongest) return;
   if (!value.is_structured()) {
@@ -58,8 +57,8 @@ std::string shortened(const Json& value) {
   return cut(std::move(text));
 }
 
-/// Reads a text in time that grows with its length: nlohmann's own parser looks through an object at every
-/// key, and takes three times as long for lists of poses.
+/// Parses in linear time. nlohmann's own parser searches an object linearly for every key, and takes three
+/// times as long for lists of poses.
 class Parser {
  public:
   Parser(const std::string& text, const std::string& file)
@@ -80,15 +79,15 @@ class Parser {
   }
 
  private:
-  /// In nlohmann's words, which keeps nothing of what it reads.
+  /// Throws nlohmann's error message for the same text.
   [[noreturn]] void refuse() const {
     std::string what = fmt::format("a fault at byte {}", at_ - text_.data());
     try {
       const Json none = Json::parse(text_, [](int, Json::parse_event_t, Json&) { return false; });
     } catch (const Json::exception& error) {
       what = error.what();
-      what.erase(0, what.find(' ') + 1);  // its own name for the error
-      // It quotes what it read last: a string without an end is the rest of the file.
+      what.erase(0, what.find(' ') + 1);  // the library's name of the error
+      // The message quotes the last token: an unterminated string is the rest of the file.
       constexpr std::size_t kMost = 200;
       if (what.size() > kMost) what = what.substr(0, kMost) + "...";
     }
@@ -97,10 +96,10 @@ class Parser {
 
   void need_end() {
     next();
-    if (at_ != end_) refuse();  // a NUL is no end, though nlohmann takes it for one
+    if (at_ != end_) refuse();  // nlohmann would accept a NUL as the end
   }
 
-  /// The character behind white space; the text ends with a NUL.
+  /// Returns the next character after white space; the text ends with a NUL.
   char next() {
     while (*at_ == ' ' || *at_ == '\n' || *at_ == '\t' || *at_ == '\r') ++at_;
     return *at_;
@@ -153,7 +152,7 @@ class Parser {
     at_ = to;
     const auto read = [&](auto value) -> Json {
       if (std::from_chars(from, to, value).ec == std::errc()) return value;
-      return whole_of(from);  // as a double, or nothing for what no double holds
+      return whole_of(from);  // parsed as a double, or refused if out of range
     };
     if (!is_whole) return read(0.0);
     return *from == '-' ? read(std::int64_t{0}) : read(std::uint64_t{0});
@@ -173,7 +172,7 @@ class Parser {
     return whole_of(from).get<std::string>();
   }
 
-  /// What nlohmann makes of the text from there to here.
+  /// Returns nlohmann's value of the text from `from` to the current position.
   Json whole_of(const char* from) const {
     Json read = Json::parse(from, at_, nullptr, false);
     if (read.is_discarded()) refuse();
@@ -191,7 +190,8 @@ class Parser {
     --depth_;
   }
 
-  /// Values wait in one list until their array knows its size: a small array is one allocation.
+  /// Collects values in one list until the size of their array is known, so that small arrays need one
+  /// allocation.
   Json array() {
     const std::size_t first = values_.size();
     elements([this](Json element) { values_.push_back(std::move(element)); });
@@ -277,7 +277,7 @@ const Json& JsonObject::get(const std::string& key) {
   if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.push_back(key);
   const auto it = value_.find(key);
   if (it != value_.end()) return *it;
-  // The keys that are there show a misspelt name or a wrong unit at once.
+  // The existing keys reveal a misspelt name or a wrong unit.
   constexpr std::size_t kMaxShown = 32;
   std::vector<std::string> present;
   for (auto at = value_.begin(); at != value_.end() && present.size() < kMaxShown; ++at) {

@@ -28,7 +28,7 @@ std::string text_in(int descriptor) {
   return {text.data(), static_cast<std::size_t>(got > 0 ? got : 0)};
 }
 
-/// Whether the name still means the file that is open: who had the lock before removes it.
+/// Whether the name still refers to the open file, because the previous owner of the lock removes it.
 bool is_at(const fs::path& path, int descriptor) {
   struct stat named {
   }, open{};
@@ -36,7 +36,7 @@ bool is_at(const fs::path& path, int descriptor) {
          named.st_ino == open.st_ino && named.st_dev == open.st_dev;
 }
 
-/// Where the folder is when it is there, of a link where that leads.
+/// Returns the folder, or the target of a link to a folder.
 fs::path target_of(const fs::path& folder) {
   const fs::path path = without_trailing_slash(folder);
   std::error_code failed;
@@ -73,7 +73,7 @@ OutputLock::OutputLock(const fs::path& output) {
       throw OutputTaken(ErrorKind::kInput,
                         fmt::format("{}: folder: found {}, allowed one at a time", output.string(), who));
     }
-    // Elsewhere flock() is unknown: then nobody is kept out.
+    // Some file systems do not support flock(); then there is no mutual exclusion.
     if (!is_at(file_, lock.get())) continue;
     const std::string process = fmt::format("{}", ::getpid());
     const bool written =
@@ -92,7 +92,7 @@ OutputLock::OutputLock(const fs::path& output) {
 }
 
 OutputLock::~OutputLock() {
-  std::error_code ignored;  // the lock itself goes with the descriptor
+  std::error_code ignored;  // the lock is released with the descriptor
   fs::remove(file_, ignored);
   keep_at_end(file_);
   if (descriptor_ >= 0) ::close(descriptor_);

@@ -1,5 +1,5 @@
 #pragma once
-// Where a long work's result will be put, looked after before the work begins.
+// Checks and locks of the output of a long computation, made before it begins.
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -8,18 +8,18 @@
 
 namespace simuli {
 
-/// What is there while a process makes `output`, and after one that was killed.
+/// Returns the lock file that exists while a process creates `output`, or after such a process was killed.
 [[nodiscard]] std::filesystem::path lock_beside(const std::filesystem::path& output);
 
-/// Somebody else has the OutputLock.
+/// Another process holds the OutputLock.
 class OutputTaken : public Error {
  public:
   using Error::Error;
 };
 
-/// Whoever has it is the only process that makes `output`, until it is destroyed or dies, however it dies: a
-/// file lock on ".NAME.lock" beside it, which is removed again. Missing folders above are made.
-/// OutputTaken{kInput} when another process has it, with its number; Error{kInput} where nothing can be
+/// Makes this process the only one that creates `output`, until destruction or the end of the process: a file
+/// lock on ".NAME.lock" beside it, which is removed at the end. Creates missing parent folders. Throws
+/// OutputTaken{kInput} with the process id if another process holds it; Error{kInput} if nothing can be
 /// written.
 class OutputLock {
  public:
@@ -33,19 +33,19 @@ class OutputLock {
   int descriptor_ = -1;
 };
 
-/// Error{kInput} when write_atomically() could not write a file of that name: what it would say at the end. Files of
-/// logs and scenes are not replaced, pages beside them are.
+/// Throws the Error{kInput} that write_atomically() would throw at the end. Refuses to replace files of logs
+/// and scenes, but not pages beside them.
 void need_writable(const std::filesystem::path& file);
 
-/// Error{kInput} when there is something of that name, links that lead nowhere too, or there can't be.
+/// Throws Error{kInput} if something has that name, including dangling links, or nothing can be created there.
 void need_new_path(const std::filesystem::path& output);
 
-/// As write_folder_atomically(); but an older folder of that name is replaced, in one step, when all that is
-/// in it is its own by `is_own(file name)`. Error{kInput} for others: nobody's files are removed.
+/// write_folder_atomically() that replaces an existing folder in one step if all its files satisfy `is_own(file
+/// name)`. Throws Error{kInput} for other folders, so that foreign files are never removed.
 void replace_folder_atomically(const std::filesystem::path& folder,
                                const std::function<bool(const std::string&)>& is_own,
                                const std::function<void(const std::filesystem::path&)>& write);
-/// The part of it that can be known before: Error{kInput} when there is something else of that name.
+/// Throws the errors of replace_folder_atomically() that can be detected in advance.
 void need_replaceable(const std::filesystem::path& folder,
                       const std::function<bool(const std::string&)>& is_own);
 

@@ -15,7 +15,7 @@ ScratchFolder::ScratchFolder(const std::string& name) {
 }
 
 ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;  // a destructor does not throw; what is left lies in the temporary folder
+  std::error_code ignored;  // a destructor must not throw; remains are in the temporary folder
   std::filesystem::remove_all(path_, ignored);
   keep_at_end(path_);
 }

@@ -4,8 +4,8 @@
 
 namespace simuli {
 
-/// A new folder NAME_... below the temporary one, removed with all that is in it, also when the process is
-/// told to end (temporary.hpp). Error{kInput} when it can't be made.
+/// A new folder NAME_... in the system's temporary folder, removed with its contents, also when the process is
+/// terminated (temporary.hpp). Throws Error{kInput} if it cannot be created.
 class ScratchFolder {
  public:
   explicit ScratchFolder(const std::string& name);

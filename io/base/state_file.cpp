@@ -23,7 +23,7 @@ struct Header {
 
 }  // namespace
 
-// Tells accidents from content: FNV-1a by words of eight bytes, mixed downwards.
+// Detects accidental damage: FNV-1a on words of eight bytes, with the high bits mixed down.
 std::uint64_t checksum_of(std::span<const std::byte> bytes) {
   std::uint64_t hash = 0xcbf29ce484222325U ^ bytes.size();
   for (std::size_t i = 0; i < bytes.size(); i += 8) {

@@ -1,5 +1,5 @@
 #pragma once
-// A file of named blocks of bytes: what checkpoints are made of.
+// A file of named blocks of bytes, the format of checkpoints.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -11,10 +11,10 @@
 
 namespace simuli {
 
-/// What a block's bytes are known by again: tells accidents from content.
+/// Returns a checksum that detects accidental damage.
 [[nodiscard]] std::uint64_t checksum_of(std::span<const std::byte> bytes);
 
-/// Writes blocks one after the other, so that only one is in memory at a time.
+/// Writes blocks in sequence, with one block in memory at a time.
 class StateWriter {
  public:
   using Sink = std::function<void(const void*, std::size_t)>;
@@ -25,18 +25,18 @@ class StateWriter {
   Sink sink_;
 };
 
-/// Lets `write` add all blocks of `file`. Atomic: written under another name, synced, renamed; whoever is
-/// killed meanwhile leaves the old file as it was. Error{kInput} when it can't be written.
+/// Calls `write` to add all blocks of `file`. Atomic: written under another name, synced and renamed; a killed
+/// process leaves the old file unchanged. Throws Error{kInput} if it cannot be written.
 void write_state_file(const std::filesystem::path& file, const std::function<void(StateWriter&)>& write);
 
-/// A file of blocks, indexed on opening; each is read when asked for.
+/// A file of blocks, indexed on opening; blocks are read on request.
 class StateFile {
  public:
-  /// Error{kInput} for what is not such a file, another version, or a file cut short.
+  /// Throws Error{kInput} for another file type, another version, or a truncated file.
   explicit StateFile(std::filesystem::path file);
   [[nodiscard]] bool has(const std::string& name) const { return blocks_.contains(name); }
   [[nodiscard]] std::vector<std::string> names() const;
-  /// Error{kInput} when there is no such block, or its bytes are not those that were written.
+  /// Throws Error{kInput} for an unknown block and for a wrong checksum.
   [[nodiscard]] std::vector<std::byte> block(const std::string& name) const;
   [[nodiscard]] const std::filesystem::path& path() const { return file_; }
 

@@ -29,10 +29,10 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kMark = ".tmp";
 
-/// A descriptor for removing folders where all others are taken by then.
+/// A reserved descriptor for the removal of folders when no other descriptor is available.
 class Spare {
  public:
-  /// False where there is none. By one thread at a time.
+  /// Returns false without a descriptor. Not thread-safe.
   [[nodiscard]] bool keep() {
     if (descriptor_ < 0) descriptor_ = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
     return descriptor_ >= 0;
@@ -46,14 +46,14 @@ class Spare {
   std::atomic<int> descriptor_ = -1;
 };
 
-/// What remove_temporaries() removes. Never destroyed: it may be asked for while the process ends.
+/// Paths that remove_temporaries() removes. Never destroyed, because it may be used while the process ends.
 struct Registry {
   std::mutex mutex;
   std::set<fs::path> paths;
-  std::set<pid_t> groups;  // of processes
+  std::set<pid_t> groups;  // process groups
   bool kills_groups = false;
   Spare spare;
-  std::atomic<std::size_t> written = 0;  // Temporary objects that may still make a file
+  std::atomic<std::size_t> written = 0;  // number of Temporary objects that may still create a file
 };
 
 Registry& registry() {
@@ -61,7 +61,7 @@ Registry& registry() {
   return *all;
 }
 
-/// Level after level, with one descriptor at a time.
+/// Removes level by level with one descriptor at a time.
 void remove_by_levels(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(fs::symlink_status(path, ignored))) {
@@ -74,16 +74,16 @@ void remove_by_levels(const fs::path& path) {
   fs::remove(path, ignored);
 }
 
-/// Whatever stands there. On the way out of another error there is nothing to add.
+/// Removes files and folders. Ignores errors, because another error is being reported.
 void remove_all_of(const fs::path& path, Spare& spare) {
   std::error_code failed;
-  fs::remove_all(path, failed);  // which takes a descriptor for each level, and one for a file
+  fs::remove_all(path, failed);  // needs a descriptor per level and one per file
   if (failed != std::errc::too_many_files_open) return;
   spare.give_back();
   remove_by_levels(path);
 }
 
-/// The process in ".STEM.PID-N.tmpEXTENSION", when a name is one of those of that stem and extension.
+/// Returns the process id in ".STEM.PID-N.tmpEXTENSION"; no value for other names.
 std::optional<pid_t> process_in(std::string_view name, std::string_view stem, std::string_view extension) {
   const std::string front = fmt::format(".{}.", stem), back = fmt::format("{}{}", kMark, extension);
   if (name.size() <= front.size() + back.size() || !name.starts_with(front) || !name.ends_with(back))
@@ -99,15 +99,16 @@ std::optional<pid_t> process_in(std::string_view name, std::string_view stem, st
   return process;
 }
 
-/// What it is registered by. Where the working folder was removed nothing is absolute, and nothing can be written.
+/// Returns the path's key in the registry. If the working folder was removed, absolute paths do not exist, and
+/// nothing can be written.
 fs::path key_of(const fs::path& path) {
   std::error_code error;
   const fs::path absolute = fs::absolute(path, error);
   return error ? path : absolute;
 }
 
-/// Whether it lies in a folder that is not to last as it is: one that is synced as a whole before it gets its
-/// name, or is removed in the end. Thousands of pictures synced one by one take minutes.
+/// Whether the path is in a temporary folder, which is synced as a whole before it is renamed, or removed in
+/// the end; syncing thousands of pictures individually takes minutes.
 bool is_in_a_temporary(const fs::path& path) {
   Registry& all = registry();
   const std::lock_guard lock(all.mutex);
@@ -120,14 +121,15 @@ bool is_in_a_temporary(const fs::path& path) {
 void sync_to_disk(const fs::path& path) {
   const Descriptor descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (descriptor.get() < 0) throw_errno(path, "sync", "a file that was just written");
-  // EINVAL: a file system that cannot sync folders; the rename is still atomic there.
+  // EINVAL: the file system cannot sync folders; the rename is still atomic.
   if (::fsync(descriptor.get()) != 0 && errno != EINVAL) throw_errno(path, "sync", "a working disk");
 }
 
-/// Lets the disk begin, so that syncing file after file waits for all of them together.
+/// Starts write-back, so that syncing many files waits for all of them at once.
 void begin_to_write_out(const fs::path& file) {
   const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-  (void)::sync_file_range(descriptor.get(), 0, 0, SYNC_FILE_RANGE_WRITE);  // a hint: some cannot
+  (void)::sync_file_range(
+      descriptor.get(), 0, 0, SYNC_FILE_RANGE_WRITE);  // a hint; some file systems lack it
 }
 
 bool is_dead(pid_t process) { return ::kill(process, 0) != 0 && errno == ESRCH; }
@@ -189,7 +191,7 @@ void Temporary::fill(const std::function<void(const fs::path&)>& write) const {
 }
 
 void Temporary::sync() const {
-  std::error_code ignored;  // a file: syncing it finds what is wrong with it
+  std::error_code ignored;  // for a file; syncing it reports errors
   if (fs::is_directory(path_, ignored)) {
     std::vector<fs::path> entries;
     for (const auto& entry : fs::recursive_directory_iterator(path_)) entries.push_back(entry.path());
@@ -215,7 +217,7 @@ void Temporary::take_targets_place() {
   sync();
   const auto refuse = [&] { throw_errno(target_, "rename", "a folder that can be replaced"); };
   if (::renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) != 0) {
-    // Not every file system can. Then there is a moment with the old one under another name.
+    // Some file systems cannot exchange paths; then the old folder has another name for a moment.
     if (errno != EINVAL && errno != ENOSYS && errno != ENOTSUP) refuse();
     const Temporary old(target_);
     if (::rename(target_.c_str(), old.path().c_str()) != 0) refuse();
@@ -226,17 +228,16 @@ void Temporary::take_targets_place() {
       refuse();
     }
   }
-  sync_to_disk(parent_of(target_));  // what stands at path_ now is the old one
+  sync_to_disk(parent_of(target_));  // path_ now contains the old folder
 }
 
 void remove_temporaries() noexcept {
   try {
     kill_groups();
     Registry& all = registry();
-    all.mutex.lock();  // for good: nobody begins another one, or tells of one that has gone
-    // Whoever was about to make a file, or is filling a folder, does so in spite of it, finds it gone when it
-    // is done, and waits for the lock then. Who takes longer than this has made it long ago. A busy machine gets
-    // a few tries all the same.
+    all.mutex.lock();  // never unlocked: no new temporary can begin or end
+    // A thread that is creating a file or filling a folder may continue: it finds its path missing and then
+    // waits for the lock. This loop waits for such threads; a busy machine gets several tries.
     constexpr int kFewestTries = 10;
     const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(200);
     for (int i = 0; i < kFewestTries || std::chrono::steady_clock::now() < end; ++i) {
@@ -245,7 +246,7 @@ void remove_temporaries() noexcept {
       if (is_last) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
-  } catch (...) {  // the process ends, with or without them
+  } catch (...) {  // the process ends in any case
   }
 }
 
@@ -290,7 +291,7 @@ void remove_stale_temporaries(const fs::path& target) {
         process_in(at->path().filename().string(), whole.stem().string(), whole.extension().string());
     if (process && is_dead(*process)) stale.push_back(at->path());
   }
-  std::error_code ignored;  // whoever can't remove them writes beside them
+  std::error_code ignored;  // a new temporary has another name
   for (const fs::path& path : stale) fs::remove_all(path, ignored);
 }
 

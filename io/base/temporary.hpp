@@ -1,13 +1,13 @@
 #pragma once
-// Files and folders on their way to be there: written beside what they become, under a name of their own.
+// Temporary files and folders beside their final path.
 #include <filesystem>
 #include <functional>
 #include <sys/types.h>
 
 namespace simuli {
 
-/// A name beside `target` that no other process or thread uses, hidden and with the same extension. What
-/// stands there at the end is removed, unless it has become the target.
+/// A unique hidden name beside `target` with the same extension. Destruction removes it, unless it has become
+/// the target.
 class Temporary {
  public:
   explicit Temporary(const std::filesystem::path& target);
@@ -16,13 +16,13 @@ class Temporary {
   ~Temporary();
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Calls write(path()); errors that name it name the target instead: the other is gone when they are read.
+  /// Calls write(path()); errors that name the temporary path are rethrown with the target's name.
   void fill(const std::function<void(const std::filesystem::path&)>& write) const;
-  /// Flushes it to the disk, renames it to the target and makes that last; without either where the target is
-  /// in another temporary one. Error{kInput} when it can't be renamed.
+  /// Syncs the temporary, renames it to the target and syncs the folder; without syncing if the target is in
+  /// another temporary folder. Throws Error{kInput} if it cannot be renamed.
   void become_target();
-  /// The same where the target is a folder that is there: the two change places in one step, and the old one
-  /// is removed.
+  /// become_target() for a target that is an existing folder: exchanges both in one step and removes the old
+  /// one.
   void take_targets_place();
 
  private:
@@ -31,32 +31,32 @@ class Temporary {
   std::filesystem::path target_, path_;
 };
 
-/// Removes what all of this process's temporaries stand for, from a thread that is about to end it: whoever
-/// writes them must not go on afterwards. Further files to be removed then are named by remove_at_end().
+/// Removes all temporaries of this process, from a thread that is about to end it: writers must not continue
+/// afterwards. Also removes the files of remove_at_end().
 void remove_temporaries() noexcept;
-/// Also removed by remove_temporaries(), until keep_at_end().
+/// Registers a path for remove_temporaries(), until keep_at_end().
 void remove_at_end(const std::filesystem::path& path);
 void keep_at_end(const std::filesystem::path& path);
-/// A group of processes that write into what is removed: killed by kill_groups(), before or after this, until
-/// spare_at_end().
+/// Registers a process group that writes into a registered path: kill_groups() kills it, until spare_at_end().
 void kill_at_end(pid_t group);
 void spare_at_end(pid_t group);
-/// From a thread that is about to end the process, now or soon; remove_temporaries() does so, too.
+/// Kills the registered groups, from a thread that is about to end the process; remove_temporaries() calls it
+/// as well.
 void kill_groups();
 
-/// Removes temporaries of `target` whose processes are dead: killed before they could.
+/// Removes temporaries of `target` whose processes ended without removing them.
 void remove_stale_temporaries(const std::filesystem::path& target);
-/// Whether a file of that name is somebody's temporary.
+/// Whether the file has the name of a temporary.
 [[nodiscard]] bool is_temporary(const std::filesystem::path& file);
 
-/// The folder that `path` is in; "." for a bare name.
+/// Returns the folder that contains `path`; "." for a bare name.
 [[nodiscard]] std::filesystem::path parent_of(const std::filesystem::path& path);
-/// "x/" names the same folder as "x", but has no file name of its own.
+/// "x/" names the same folder as "x", but has no file name.
 [[nodiscard]] std::filesystem::path without_trailing_slash(const std::filesystem::path& path);
-/// Throws Error{kInput} with what errno says.
+/// Throws Error{kInput} with the message of errno.
 [[noreturn]] void throw_errno(const std::filesystem::path& file, const char* field, const char* allowed);
 
-/// Owner of a POSIX descriptor; close() is for writers, which must learn of a late write error.
+/// Owner of a POSIX descriptor; writers call close() to detect late write errors.
 class Descriptor {
  public:
   explicit Descriptor(int descriptor) : descriptor_(descriptor) {}

@@ -23,7 +23,7 @@ const char* shutter_name(ShutterKind kind) {
   return "GLOBAL";
 }
 
-/// Parameters of the lens that stand at these places.
+/// Returns the lens parameters with these indices.
 Json picked(const std::vector<double>& all, std::initializer_list<std::size_t> places) {
   Json out = Json::array();
   for (const std::size_t i : places) out.push_back(all[i]);
@@ -52,7 +52,7 @@ Json camera_model_of(const Camera& camera) {
   switch (camera.lens.kind()) {
     case LensKind::kPinhole:
     case LensKind::kOpencvPinhole:
-      all.resize(13, 0.0);  // an ideal one has none
+      all.resize(13, 0.0);  // an ideal lens has none
       p["radial_coeffs"] = picked(all, {0, 1, 4, 5, 6, 7});
       p["tangential_coeffs"] = picked(all, {2, 3});
       p["thin_prism_coeffs"] = picked(all, {8, 9, 10, 11});
@@ -98,7 +98,7 @@ Json camera_calibration(const LogCamera& camera, const std::string& sequence, st
                {"external_distortion_parameters", nullptr},
                {"principal_point", {camera.model.cx, camera.model.cy}}}}};
   }
-  // CARLA's client reads what f-theta cameras have of all of them.
+  // CARLA's client requires the f-theta keys for all cameras.
   for (const char* key :
        {"reference_poly", "pixeldist_to_angle_poly", "angle_to_pixeldist_poly", "max_angle", "linear_cde"}) {
     Json& parameters = model["parameters"];

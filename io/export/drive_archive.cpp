@@ -21,13 +21,13 @@ namespace {
 
 std::string text_of(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
-/// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo), 64 bits, from any start.
+/// FNV-1a (G. Fowler, L. C. Noll, K.-P. Vo), 64 bits, continued from `hash`.
 std::uint64_t hash_of(const std::string& text, std::uint64_t hash) {
   for (const char c : text) hash = (hash ^ static_cast<std::uint8_t>(c)) * 0x100000001b3U;
   return hash;
 }
 
-/// The same for the same tracks under the same name: version 8 of RFC 9562, which is left to the application.
+/// Returns the same id for equal tracks with the same name: version 8 of RFC 9562 (application-defined).
 std::string uuid_of(const std::string& text) {
   const std::uint64_t a = hash_of(text, 0xcbf29ce484222325U), b = hash_of(text, a);
   return fmt::format("{:08x}-{:04x}-8{:03x}-{:04x}-{:012x}",
@@ -38,7 +38,7 @@ std::string uuid_of(const std::string& text) {
                      b & 0xffffffffffffU);
 }
 
-/// YAML, of which JSON is a part: each value on a line of its own.
+/// Returns YAML with JSON values, one per line.
 std::string metadata_of(const SceneFile& file,
                         const SceneClock& clock,
                         const std::string& scene_id,
@@ -98,7 +98,7 @@ DriveArchive write_drive_archive(const std::filesystem::path& file,
   out.ground_triangles = mesh.triangles.size();
   if (!mesh.triangles.empty()) {
     const std::string ply = ply_of(mesh);
-    // The ground is all there is to stand on, and readers ask for either name.
+    // The mesh contains the ground only; readers use either name.
     for (const char* entry : {"mesh_ground.ply", "mesh.ply"}) zip.add(entry, ply);
   }
   write_file_atomically(file, zip.finish());

@@ -24,7 +24,7 @@ Json times_of(const FrameSpans& frames, const std::string& camera, const SceneCl
   return times;
 }
 
-/// Poses whose times are told apart in microseconds.
+/// Returns the poses with distinct times in microseconds.
 std::vector<KeyPose> distinct(const Actor& actor, const SceneClock& clock) {
   std::vector<KeyPose> out;
   for (const KeyPose& key : actor.track) {
@@ -88,7 +88,7 @@ Json sequence_tracks(const Scene& scene, const SceneClock& clock) {
     poses.push_back(own_poses);
     sizes.push_back({actor.size_m.x(), actor.size_m.y(), actor.size_m.z()});
   }
-  // The key is what CARLA's client looks for.
+  // CARLA's client requires this key.
   return {{"dummy_chunk_id",
            {{"tracks_data",
              {{"tracks_id", ids},

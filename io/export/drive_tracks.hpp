@@ -8,18 +8,18 @@
 
 namespace simuli {
 
-/// AlpaSim's rig_trajectories.json: the path, m from the scene's origin, the cameras and when their pictures
-/// were taken. An instant is a microsecond long: it asks for ends behind starts.
+/// Returns AlpaSim's rig_trajectories.json: the trajectory in metres from the scene's origin, the cameras and
+/// the exposure times of their pictures. An instant lasts a microsecond, because ends must be after starts.
 [[nodiscard]] Json rig_trajectories(const SceneFile& scene,
                                     const SceneClock& clock,
                                     const std::string& sequence);
 
-/// The rig's poses in order of time, m from the scene's origin.
+/// Returns the rig's poses in time order, in metres from the scene's origin.
 [[nodiscard]] std::vector<Pose> local_path(const SceneFile& scene);
 
-/// AlpaSim's sequence_tracks.json: actors' boxes and their centres' poses, m from the scene's origin, xyz and
-/// quaternion xyzw. An actor with one pose stands there for as long as it is there; one with more is DYNAMIC,
-/// as CARLA's client moves no others. Kinds by the names of label_class_of().
+/// Returns AlpaSim's sequence_tracks.json: actors' boxes and the poses of their centres in metres from the
+/// scene's origin, xyz and quaternion xyzw. An actor with one pose is static while it is present; one with more
+/// is DYNAMIC, because CARLA's client moves no others. Kinds are those of label_class_of().
 [[nodiscard]] Json sequence_tracks(const Scene& scene, const SceneClock& clock);
 
 }  // namespace simuli

@@ -32,7 +32,7 @@ void need_pinhole(const std::string& format, const Sensor& sensor) {
           lens.windshield() ? " behind a windshield" : ""));
 }
 
-/// The same file under another name, without its bytes a second time where the file system can do that.
+/// Links the file under a second name, or copies it if the file system does not support links.
 void also_as(const fs::path& file, const fs::path& name) {
   std::error_code failed;
   fs::create_hard_link(file, name, failed);
@@ -53,7 +53,7 @@ std::string kitti_class(const std::string& kind) {
   return has_label_class(kind, LabelNames::kKitti) ? label_class_of(kind, LabelNames::kKitti) : "Misc";
 }
 
-/// From the type on.
+/// Returns the line from the type on.
 std::string kitti_line(const ActorLabel& label, const std::string& kind, const Camera& camera) {
   const Pose& camera_from_actor = label.sensor_from_actor;
   const Eigen::Vector3d ahead = camera_from_actor.rotation * Eigen::Vector3d::UnitX();
@@ -93,7 +93,8 @@ std::string matrix_line(const char* key, const Eigen::Matrix<double, 3, Eigen::D
 Eigen::Matrix3d intrinsic(const Camera& camera) {
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
   k(0, 0) = camera.fx, k(1, 1) = camera.fy;
-  k(0, 2) = camera.cx - 0.5, k(1, 2) = camera.cy - 0.5;  // from the middle of the first pixel on
+  k(0, 2) = camera.cx - 0.5,
+       k(1, 2) = camera.cy - 0.5;  // KITTI counts pixels from the centre of the first one
   return k;
 }
 
@@ -111,7 +112,7 @@ std::string kitti_calibration(const Sensor& sensor) {
 
 // ---- COCO ----
 
-/// As pycocotools writes run lengths as text: differences to the second last, six bits a letter.
+/// Returns run lengths in pycocotools' text format: differences to the second last value, six bits per letter.
 std::string run_text(const std::vector<std::uint32_t>& runs) {
   std::string out;
   for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -147,12 +148,12 @@ Json rotation_of(const Pose& pose) {
   return {q.w(), q.x(), q.y(), q.z()};
 }
 
-/// By the share of the body that is seen: 0 to 40, 60, 80, 100 %.
+/// Returns nuScenes' visibility level by the visible share of the body: up to 40, 60, 80, 100 %.
 std::string visibility_of(double seen) {
   return seen < 0.4 ? "1" : seen < 0.6 ? "2" : seen < 0.8 ? "3" : "4";
 }
 
-/// When nuScenes says that it was: pictures half-way, sweeps at their end.
+/// Returns nuScenes' time stamp: the middle of a picture, the end of a sweep.
 double stamp_s(const FramesRecord& record, const FrameRecord& frame) {
   return record.sensor.is_camera() ? 0.5 * (frame.time_start_s + frame.time_end_s) : frame.time_end_s;
 }
@@ -165,7 +166,7 @@ Pose rig_at_stamp(const FramesRecord& record, const FrameRecord& frame) {
   return world_from_sensor * record.sensor.rig_from_sensor().inverse();
 }
 
-/// Links the entries of one chain to each other.
+/// Links the entries of a chain to each other.
 void chain(Json& table, const std::vector<std::size_t>& entries) {
   for (std::size_t i = 0; i < entries.size(); ++i) {
     Json& entry = table[entries[i]];
@@ -174,7 +175,7 @@ void chain(Json& table, const std::vector<std::size_t>& entries) {
   }
 }
 
-/// The frame that is nearest in time.
+/// Returns the frame nearest in time.
 std::size_t nearest(const FramesRecord& record, double time_s) {
   std::size_t best = 0;
   for (std::size_t i = 1; i < record.frames.size(); ++i) {
@@ -310,7 +311,7 @@ class NuscenesTables {
 
   void add_annotations() {
     std::map<std::string, std::string> categories;
-    std::map<std::size_t, std::vector<std::size_t>> of_actor;  // in the order of samples
+    std::map<std::size_t, std::vector<std::size_t>> of_actor;  // in sample order
     for (const auto& [who, seen] : seen_) {
       if (seen.rays == 0) continue;
       const auto [actor, sample] = who;
@@ -439,7 +440,7 @@ void write_coco_labels(const fs::path& root, const std::vector<LabelledFrames>& 
 void write_nuscenes_labels(const fs::path& root, const std::vector<LabelledFrames>& all) {
   NuscenesTables(all).write(root / "v1.0-simuli");
   fs::create_directories(root / "maps");
-  Image none(1, 1, 1);  // its readers want a file
+  Image none(1, 1, 1);  // readers require the file
   write_image(root / "maps" / "none.png", none);
 }
 

@@ -15,8 +15,7 @@ double value_at(const std::array<double, 6>& polynomial, double x) {
   return sum;
 }
 
-/// The polynomial without degree 0 that leads back from the values of another one over [0, last], by least
-/// squares.
+/// Returns the polynomial without degree 0 that inverts another one over [0, last], by least squares.
 std::array<double, 6> inverse_of(const std::array<double, 6>& polynomial, double last) {
   constexpr int kSamples = 256, kDegrees = 5;
   Eigen::MatrixXd powers(kSamples, kDegrees);
@@ -34,13 +33,13 @@ std::array<double, 6> inverse_of(const std::array<double, 6>& polynomial, double
   return out;
 }
 
-/// How far from the principal point the picture's corners are, px.
+/// Returns the largest distance of the picture's corners from the principal point, px.
 double farthest_corner(const Camera& camera) {
   return std::hypot(std::max(camera.cx, camera.width - camera.cx),
                     std::max(camera.cy, camera.height - camera.cy));
 }
 
-/// Where `polynomial`, which grows from 0, gets to `value`; no farther than `last`.
+/// Returns the argument, at most `last`, for which the polynomial, which increases from 0, equals `value`.
 double argument_of(const std::array<double, 6>& polynomial, double value, double last) {
   constexpr int kSteps = 1000;
   for (int i = 1; i <= kSteps; ++i) {

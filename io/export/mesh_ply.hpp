@@ -5,7 +5,7 @@
 
 namespace simuli {
 
-/// A PLY, binary little endian: floats x, y, z and faces of three vertex_indices.
+/// Returns a binary little-endian PLY: floats x, y, z and faces of three vertex_indices.
 [[nodiscard]] std::string ply_of(const TriangleMesh& mesh);
 
 }  // namespace simuli

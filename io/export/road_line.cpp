@@ -6,17 +6,17 @@
 namespace simuli {
 namespace {
 
-constexpr double kStep_m = 0.25;          // nearer places say nothing of where a line goes
-constexpr double kTangent_m = 1.5;        // how far to both sides a place's neighbours are, at least
-constexpr double kLongest_m = 100.0;      // of two arcs
-constexpr double kStraight_per_m = 1e-6;  // curvature below which some readers draw a straight line
-constexpr double kDetour = 1.6;           // longest pair of arcs, of the straight way
+constexpr double kStep_m = 0.25;      // closer positions do not define a direction
+constexpr double kTangent_m = 1.5;    // least distance of the neighbours that define a tangent, on both sides
+constexpr double kLongest_m = 100.0;  // of two arcs
+constexpr double kStraight_per_m = 1e-6;  // below this curvature some readers draw a straight line
+constexpr double kDetour = 1.6;           // largest length of two arcs relative to the straight line
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 double heading_of(const Eigen::Vector2d& direction) { return std::atan2(direction.y(), direction.x()); }
 
-/// A place, and how far along the drive it was; back again counts as less.
+/// A position and its distance along the drive; driving backwards decreases it.
 struct Step {
   Eigen::Vector3d place;
   double along_m;
@@ -36,7 +36,8 @@ std::vector<Step> steps_of(const std::vector<Pose>& rig) {
   return out;
 }
 
-/// Where the drive got farther than ever before. The way that it went for longer is forwards.
+/// Returns the positions at which the drive was farther than before. The direction in which it drove longer is
+/// forward.
 std::vector<Eigen::Vector3d> advance(const std::vector<Pose>& rig) {
   const std::vector<Step> steps = steps_of(rig);
   const auto [least, most] = std::minmax_element(
@@ -46,14 +47,14 @@ std::vector<Eigen::Vector3d> advance(const std::vector<Pose>& rig) {
   double farthest = 0.0, before = 0.0;
   for (const Step& step : steps) {
     const double along = sign * step.along_m;
-    // Back where it turned, a place may lie a step off from where it was.
+    // After a reversal a position may be a step away from the earlier one.
     const double least_gain = before < farthest ? 2.0 * kStep_m : 0.0;
     before = along;
     if (along <= farthest + least_gain) continue;
     farthest = before = along;
     out.push_back(step.place);
   }
-  if (before == farthest && out.size() > 1) {  // as far as the last pose, less than a step ahead
+  if (before == farthest && out.size() > 1) {  // at the last pose, less than a step ahead
     const Eigen::Vector2d ahead = (out.back() - out[out.size() - 2]).head<2>().normalized();
     const Eigen::Vector2d rest = (rig.back().translation - out.back()).head<2>();
     out.back().head<2>() += std::max(0.0, rest.dot(ahead)) * ahead;
@@ -61,14 +62,14 @@ std::vector<Eigen::Vector3d> advance(const std::vector<Pose>& rig) {
   return out;
 }
 
-/// Of the circle through a, b and c, at b.
+/// Returns the tangent of the circle through a, b and c at b.
 Eigen::Vector2d tangent(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
   const Eigen::Vector2d to = b - a, from = c - b;
   const Eigen::Vector2d sum = to / to.squaredNorm() + from / from.squaredNorm();
   return sum.norm() * from.norm() > 1e-6 ? sum.normalized() : from.normalized();
 }
 
-/// What leaves a circle at b as `at_a` enters it at a.
+/// Returns the direction in which a circle leaves b if it enters a with direction `at_a`.
 Eigen::Vector2d mirrored(const Eigen::Vector2d& at_a, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const Eigen::Vector2d chord = (b - a).normalized();
   return (2.0 * at_a.dot(chord) * chord - at_a).normalized();
@@ -96,7 +97,7 @@ RoadPiece straight(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   return {from, heading_of(to - from), (to - from).norm(), 0.0};
 }
 
-/// The arc that leaves `from` along the unit vector `along` and comes to `to`.
+/// Returns the arc that starts at `from` in the unit direction `along` and ends at `to`.
 RoadPiece arc(const Eigen::Vector2d& from, const Eigen::Vector2d& along, const Eigen::Vector2d& to) {
   const Eigen::Vector2d chord = to - from;
   const double turn = 2.0 * std::atan2(cross(along, chord), along.dot(chord));
@@ -105,8 +106,8 @@ RoadPiece arc(const Eigen::Vector2d& from, const Eigen::Vector2d& along, const E
   return {from, heading_of(along), turn / curvature, curvature};
 }
 
-/// Two arcs from a to b that meet without a kink (K. M. Bolton, Biarc curves, 1975): the sides of the
-/// triangles that hold them are equally long.
+/// Returns two arcs from a to b with a common tangent (K. M. Bolton, Biarc curves, 1975); the control triangles
+/// have equal sides.
 std::vector<RoadPiece> biarc(const Eigen::Vector2d& a,
                              const Eigen::Vector2d& along_a,
                              const Eigen::Vector2d& b,
@@ -134,7 +135,7 @@ Nearest nearest_on(const RoadPiece& piece, const Eigen::Vector2d& place) {
   if (piece.curvature_per_m != 0.0) {
     const double radius = 1.0 / piece.curvature_per_m;
     const double side = cross(along, from);
-    // Seen from the centre; an arc of more than half a circle is not asked for.
+    // From the angle at the centre; arcs never exceed half a circle.
     s = radius * std::atan2(s / radius, 1.0 - side / radius);
   }
   s = std::clamp(s, 0.0, piece.length_m);
@@ -162,7 +163,8 @@ class Fit {
  public:
   explicit Fit(const std::vector<Eigen::Vector2d>& places) : p_(places), along_(tangents_of(places)) {}
 
-  /// From `first` to `last`, which lie one after the other or near all between; else nothing.
+  /// Returns the pieces from `first` to `last`, which are adjacent or near all positions between them; empty
+  /// otherwise.
   [[nodiscard]] std::vector<RoadPiece> between(std::size_t first, std::size_t last) const {
     std::vector<RoadPiece> out = biarc(p_[first], along_[first], p_[last], along_[last]);
     const double length = length_of(out);
@@ -174,7 +176,7 @@ class Fit {
     return out;
   }
 
-  /// As far as two arcs go from there, found by doubling and halving.
+  /// Returns the farthest index that two arcs reach, found by doubling and bisection.
   [[nodiscard]] std::size_t farthest(std::size_t first) const {
     std::size_t reach = 1, add = 1;
     const auto fits = [&](std::size_t n) {
@@ -192,8 +194,8 @@ class Fit {
   std::vector<Eigen::Vector2d> along_;
 };
 
-/// Ends the line a little earlier, where its length is just above what it is in single precision: CARLA asks
-/// for the place at that one, and finds none at the very end of a road.
+/// Shortens the line such that its length is slightly above its single-precision value: CARLA requests the
+/// position at that value and finds none at the very end of a road.
 void cut(RoadLine& line) {
   constexpr double kAbove_m = 5e-8;
   const double length = length_of(line.pieces);
@@ -206,7 +208,7 @@ void cut(RoadLine& line) {
   for (RoadPosition& place : line.places) place.s_m = std::min(place.s_m, length_of(line.pieces));
 }
 
-/// 10 m about where the rig stood.
+/// Returns a line of 10 m around the rig's position.
 RoadLine standing(const Pose& rig) {
   const Eigen::Vector2d x = (rig.rotation * Eigen::Vector3d::UnitX()).head<2>();
   const Eigen::Vector2d along = x.norm() > 1e-3 ? x.normalized() : Eigen::Vector2d::UnitX();

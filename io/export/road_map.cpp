@@ -13,17 +13,18 @@ namespace simuli {
 namespace {
 
 constexpr double kSample_m = 1.0;
-constexpr double kSmooth_m = 2.5;  // to both sides: what is shorter is no road's
-constexpr double kKnot_m = 5.0;    // at most, from a height to the next
+constexpr double kSmooth_m = 2.5;  // half width of the filter; shorter variations are not the road's
+constexpr double kKnot_m = 5.0;    // largest distance between heights
 
-/// How high the line's places are, between them by the straight way.
+/// Returns the interpolated height of the line's positions.
 double rig_height(const std::vector<RoadPosition>& places, double s_m) {
   const auto after = std::upper_bound(
       places.begin(), places.end(), s_m, [](double s, const RoadPosition& place) { return s < place.s_m; });
   if (after == places.begin()) return places.front().place.z();
   if (after == places.end()) return places.back().place.z();
   const auto before = after - 1;
-  const double share = (s_m - before->s_m) / (after->s_m - before->s_m);  // after lies behind s_m, before not
+  const double share =
+      (s_m - before->s_m) / (after->s_m - before->s_m);  // after is beyond s_m, before is not
   return before->place.z() + share * (after->place.z() - before->place.z());
 }
 
@@ -32,7 +33,7 @@ struct LinePoint {
   Eigen::Vector2d place;
 };
 
-/// Every kSample_m or less, its ends among them.
+/// Returns samples every kSample_m or less, including both ends.
 std::vector<LinePoint> samples_of(const RoadLine& line) {
   const int steps = std::max(2, static_cast<int>(std::ceil(line.length_m() / kSample_m)));
   std::vector<LinePoint> out;
@@ -48,7 +49,7 @@ std::vector<LinePoint> samples_of(const RoadLine& line) {
   return out;
 }
 
-/// Of the road at each sample, m.
+/// Returns the road's height at each sample, m.
 std::vector<double> heights_of(const RoadLine& line,
                                const std::vector<LinePoint>& samples,
                                const GroundMap& ground) {
@@ -65,7 +66,7 @@ std::vector<double> heights_of(const RoadLine& line,
   }
   std::vector<double> out;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    // As many to both sides, so that a slope stays one up to its ends.
+    // Symmetric windows, so that a slope stays linear up to its ends.
     double sum = raw[i], count = 1.0;
     for (std::size_t k = 1; k <= i && i + k < samples.size(); ++k) {
       if (samples[i + k].s_m - samples[i].s_m > kSmooth_m) break;
@@ -77,7 +78,7 @@ std::vector<double> heights_of(const RoadLine& line,
   return out;
 }
 
-/// Cubics that meet with one slope, through every fifth height or so.
+/// Returns C1 cubics through about every fifth height.
 std::string elevation_of(const std::vector<LinePoint>& samples, const std::vector<double>& heights) {
   const std::size_t last = samples.size() - 1;
   const double per_sample = samples[1].s_m - samples[0].s_m;

@@ -7,11 +7,12 @@
 
 namespace simuli {
 
-/// A file of ASAM OpenDRIVE 1.4: one road, made from where the rig drove and not from a survey. Places are m
-/// as those of `rig` (one pose at least, in order of time, z up) and of `ground`; without a geoReference, as
-/// nothing tells where on Earth they are. A lane is as wide as kLaneWidth_m; the right one lies about the
-/// path, the left one, for those who come, beside it. Its height is the ground's below the path; where that
-/// is not known it keeps the rig's usual height above it, and where it is known nowhere it is the rig's own.
+/// Returns an ASAM OpenDRIVE 1.4 file with one road along the driven trajectory (not a survey). Coordinates are
+/// metres in the frame of `rig` (at least one pose, in time order, z up) and `ground`; without a geoReference,
+/// because the position on Earth is unknown. Lanes are kLaneWidth_m wide: the right one is centred on the
+/// trajectory, the left one beside it is for oncoming traffic. Its height is the ground's below the trajectory;
+/// where the ground is unknown, the rig's height minus its usual height above the ground; without any ground,
+/// the rig's own height.
 [[nodiscard]] std::string road_map(const std::vector<Pose>& rig, const GroundMap& ground);
 
 inline constexpr double kLaneWidth_m = 3.5;

@@ -11,10 +11,10 @@ namespace {
 
 struct LabelWord {
   std::string_view word;
-  std::array<std::string_view, 3> labels;  // in the order of LabelNames; empty: whatever else it says, none
+  std::array<std::string_view, 3> labels;  // in the order of LabelNames; empty: no label for this word
 };
 
-/// What says more comes first.
+/// More specific words come first.
 constexpr std::array kLabelWords{LabelWord{"static", {"", "", ""}},
                                  LabelWord{"tram", {"", "Tram", ""}},
                                  LabelWord{"train", {"", "Tram", ""}},
@@ -39,7 +39,7 @@ constexpr std::array kLabelWords{LabelWord{"static", {"", "", ""}},
                                  LabelWord{"van", {"automobile", "Van", "vehicle.car"}},
                                  LabelWord{"vehicle", {"automobile", "Car", "vehicle.car"}}};
 
-/// In small letters, without what stands between them.
+/// Returns the words of a text in lower case.
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> out(1);
   for (const char c : text) {
@@ -53,7 +53,7 @@ std::vector<std::string> words_of(const std::string& text) {
   return out;
 }
 
-/// Empty: none.
+/// Returns an empty text without a label.
 std::string_view label_of(const std::string& kind, LabelNames names) {
   const std::vector<std::string> words = words_of(kind);
   for (const LabelWord& known : kLabelWords) {

@@ -1,24 +1,24 @@
 #pragma once
-// Times of a log, seconds from its start, as NCore's whole microseconds since 1970, and back. For io/ncore
-// and io/import/ncore.
+// Conversion between a log's times (seconds from its start) and NCore's (whole microseconds since 1970), for
+// io/ncore and io/import/ncore.
 #include <cmath>
 #include <cstdint>
 
 namespace simuli::ncore {
 
-inline constexpr std::int64_t kNanoseconds = 1000;  // of a microsecond
+inline constexpr std::int64_t kNanoseconds = 1000;  // per microsecond
 inline constexpr std::int64_t kSecond_us = 1'000'000;
 
 class Clock {
  public:
   Clock() = default;
-  /// `shift_us` is added to all times: NCore has none before 1970.
+  /// `shift_us` is added to all times, because NCore has no times before 1970.
   Clock(std::int64_t start_ns, std::int64_t shift_us) : start_ns_(start_ns), shift_us_(shift_us) {}
 
   [[nodiscard]] std::int64_t ns(double time_s) const {
     return start_ns_ + static_cast<std::int64_t>(std::llround(time_s * 1e9));
   }
-  /// To the nearest.
+  /// Rounds to the nearest microsecond.
   [[nodiscard]] std::uint64_t us(double time_s) const {
     const std::int64_t time_ns = ns(time_s);
     const std::int64_t half = time_ns >= 0 ? kNanoseconds / 2 : -kNanoseconds / 2;
@@ -30,7 +30,7 @@ class Clock {
   [[nodiscard]] double seconds_of_ns(std::int64_t time_ns) const {
     return static_cast<double>(time_ns - start_ns_) * 1e-9;
   }
-  /// Whether NCore holds it as it is.
+  /// Whether NCore represents the time exactly.
   [[nodiscard]] bool is_whole(double time_s) const { return ns(time_s) % kNanoseconds == 0; }
 
   [[nodiscard]] std::int64_t start_ns() const { return start_ns_; }

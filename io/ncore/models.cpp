@@ -41,7 +41,7 @@ ShutterKind shutter_of(JsonObject& p) {
                     "GLOBAL or ROLLING_TOP_TO_BOTTOM, _LEFT_TO_RIGHT, _BOTTOM_TO_TOP, _RIGHT_TO_LEFT");
 }
 
-/// Numbers of a polynomial, no more than `most`; missing ones are 0.
+/// Returns the coefficients of a polynomial, at most `most`, padded with zeros.
 std::vector<double> padded(JsonObject& p, const std::string& key, std::size_t most) {
   std::vector<double> out = p.numbers(key);
   if (out.size() > most) {
@@ -75,7 +75,7 @@ void set_ftheta_lens(JsonObject& p, Camera& camera) {
   std::array<double, 3> cde{1.0, 0.0, 0.0};
   if (p.has("linear_cde")) {
     const Eigen::Vector3d given = p.vector<3>("linear_cde");
-    // Some recordings have zeros for a linear part that they mean to leave out.
+    // Some recordings have a zero linear part, which means that it is absent.
     if (!given.isZero()) cde = {given[0], given[1], given[2]};
   }
   camera.cx += kFirstCentre;
@@ -128,7 +128,7 @@ Json intrinsics_of(const Camera& camera) {
   Json model = camera_model_of(camera);
   if (model.is_null()) return nullptr;
   Json out{{kCameraType, model["type"]}, {kCameraParameters, std::move(model["parameters"])}};
-  if (camera.lens.windshield()) out[kOutsideType] = kWindshield;  // for readers that look beside the model
+  if (camera.lens.windshield()) out[kOutsideType] = kWindshield;  // for readers that search outside the model
   return out;
 }
 
@@ -138,7 +138,7 @@ Json intrinsics_of(const LidarModel& model) {
   Json elevations = Json::array(), offsets = Json::array(), azimuths = Json::array();
   for (std::size_t i = 0; i < lidar->rows.size(); ++i) {
     const LidarRow& row = lidar->rows[i];
-    // Single precision: what NCore's package compares.
+    // In single precision, as NCore's package compares.
     if (i > 0 && !(static_cast<float>(row.elevation) < static_cast<float>(lidar->rows[i - 1].elevation)))
       return nullptr;
     elevations.push_back(row.elevation);
@@ -186,8 +186,7 @@ Camera camera_from_intrinsics(JsonObject& intrinsics, const std::string& name) {
     camera.shutter = shutter_of(p);
     set_lens(p, type, camera);
     if (p.has(kOutside) && !p.get(kOutside).is_null()) {
-      // Recordings from before there were other kinds have the polynomials alone, or the kind beside the
-      // model.
+      // Older recordings have the polynomials without the type, or the type outside the model.
       const std::string beside = intrinsics.has(kOutsideType) ? intrinsics.text(kOutsideType) : kWindshield;
       camera.lens = p.object(kOutside, [&](JsonObject& glass) {
         return camera.lens.behind(windshield_of(glass, beside), p.file());

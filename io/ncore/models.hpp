@@ -1,5 +1,5 @@
 #pragma once
-// Sensors as NCore's intrinsics have them. For io/ncore, io/import/ncore and tests.
+// NCore's intrinsics of sensors, for io/ncore, io/import/ncore and tests.
 #include <string>
 
 #include "host/core/sensors/camera.hpp"
@@ -8,19 +8,19 @@
 
 namespace simuli::ncore {
 
-/// {"camera_model_type", "camera_model_parameters"}; null for lenses that NCore has no name for.
+/// Returns {"camera_model_type", "camera_model_parameters"}; null for lenses that NCore does not support.
 [[nodiscard]] Json intrinsics_of(const Camera& camera);
-/// {"lidar_model_type", "lidar_model_parameters"}; null for what NCore's one model can't say: lists of rays,
-/// and rows of one elevation.
+/// Returns {"lidar_model_type", "lidar_model_parameters"}; null for ray lists and beams with equal elevations,
+/// which NCore's model does not support.
 [[nodiscard]] Json intrinsics_of(const LidarModel& lidar);
 
-/// Error{kInput} naming file and field for a model that is not known or that no camera has.
+/// Throws Error{kInput} naming file and field for an unknown model and for impossible values.
 [[nodiscard]] Camera camera_from_intrinsics(JsonObject& intrinsics, const std::string& name);
-/// Ranges are left 0: NCore has none. Columns are evenly spread from the first to the last; Error{kInput}
-/// where they are farther than half a column from that.
+/// Returns a LiDAR with range 0, because NCore has no range. Columns are evenly spaced from the first to the
+/// last; throws Error{kInput} if one differs by more than half a column.
 [[nodiscard]] Lidar lidar_from_intrinsics(JsonObject& intrinsics, const std::string& name);
 
-/// Whether two documents say the same with numbers of single precision, which NCore's own package rounds to.
+/// Whether two documents are equal in single precision, to which NCore's package rounds.
 [[nodiscard]] bool is_same(const Json& a, const Json& b);
 
 }  // namespace simuli::ncore

@@ -34,12 +34,13 @@ auto view(const Values& values) {
   return std::span<const typename Values::value_type>(values);
 }
 
-/// A mask as NCore has it: the file as it is, or as PNG.
+/// Returns a mask as PNG; PNG files unchanged.
 std::string png_of(const fs::path& file) {
   std::string bytes = read_file(file, kLargestEntry);
   if (bytes.starts_with("\x89PNG")) return bytes;
   Image mask = read_image(file);
-  for (float& value : mask.data) value = value != 0.0F ? 1.0F : 0.0F;  // also what 8 bits would round away
+  // includes values that 8 bits would round to 0
+  for (float& value : mask.data) value = value != 0.0F ? 1.0F : 0.0F;
   return encode_image(mask, ImageCode::kPng);
 }
 
@@ -72,7 +73,7 @@ class Exporter {
             {"generic_meta_data", more.empty() ? std::move(more) : Json{{kOurs, std::move(more)}}}};
   }
 
-  /// The hull of all times, in seconds of the log and as it will be written.
+  /// Finds the first and last time, in seconds of the log and as written.
   void find_clock() {
     double first_s = log_.world_from_rig.start_s(), last_s = log_.world_from_rig.end_s();
     const auto reach = [&](const auto& frame) {
@@ -89,7 +90,7 @@ class Exporter {
     }
     clock_ = Clock(log_.start_ns, 0);
     const std::int64_t first_ns = clock_.ns(first_s), second_ns = kSecond_us * kNanoseconds;
-    // Whole seconds, so that clocks beside it still agree in what follows.
+    // Whole seconds, so that other clocks keep the same subsecond part.
     const std::int64_t seconds = first_ns < 0 ? (-first_ns + second_ns - 1) / second_ns : 0;
     clock_ = Clock(log_.start_ns, seconds * kSecond_us);
     first_us_ = clock_.us(first_s);
@@ -120,13 +121,13 @@ class Exporter {
       times.push_back(clock_.ns(time_s));
       are_whole = are_whole && clock_.is_whole(time_s);
     };
-    // Others don't go on beyond the ends of a path.
+    // NCore's readers do not extrapolate a trajectory.
     const bool is_late = clock_.us(frames_first_s_) < clock_.us(path.start_s());
     bool is_early = clock_.us(frames_last_s_) > clock_.us(path.end_s());
     if (is_late) add(frames_first_s_, path.at(frames_first_s_));
     for (const TimedPose& timed : path.poses()) add(timed.time_s, timed.pose);
     if (is_early) add(frames_last_s_, path.at(frames_last_s_));
-    if (poses.size() == 1) {  // theirs have two at least
+    if (poses.size() == 1) {  // NCore needs at least two poses
       constexpr double kMicrosecond_s = 1e-6;
       add(path.end_s() + kMicrosecond_s, path.poses().back().pose);
       last_us_ = std::max(last_us_, clock_.us(path.end_s()) + 1);
@@ -151,8 +152,7 @@ class Exporter {
               {{"poses", std::move(poses)}, {"timestamps_us", std::move(stamps)}, {"dtype", "float64"}}}});
   }
 
-  /// Frames of a sensor by their ends: `add(frame, group, time)` writes what is in each. Wider frames hold
-  /// what lies beside theirs.
+  /// Writes the frames of a sensor by their end times: `add(frame, group, time)` writes the content of each.
   template <class Frame, class Is, class Add>
   void add_frames(const std::string& at, const std::vector<Frame>& frames, const Is& is_own, const Add& add) {
     std::map<std::uint64_t, std::uint64_t> start_by_end;
@@ -252,7 +252,7 @@ class Exporter {
     out_.array(zarr_key(ours, kExactValues), {exact.ray.size(), 4}, "<f4", view(exact.values));
   }
 
-  /// The log's masks, by the names of their files.
+  /// Adds the log's masks by their file names.
   void add_masks() {
     const std::string at = component("masks");
     bool is_begun = false;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kLatest_us = std::uint64_t{1} << 53U;  // the year 2255
 
-/// A python string at `at` of a key: in either quotes, a backslash before what would end it.
+/// Parses a Python string of a key at `at`: in single or double quotes, with backslash escapes.
 std::string quoted(const std::string& key, std::size_t& at, const std::string& file) {
   const auto refuse = [&] {
     throw_input_error(file, key.substr(0, 100), "no pair of frames", "a key such as ('rig', 'world')");
@@ -162,7 +162,7 @@ Eigen::Quaterniond rotation_of_euler(const Eigen::Vector3d& xyz_rad) {
 Eigen::Vector3d euler_of(const Eigen::Quaterniond& rotation) {
   const Eigen::Matrix3d m = rotation.toRotationMatrix();
   const double across = std::hypot(m(0, 0), m(1, 0));
-  // Straight up or down roll and yaw are one turn: it is called yaw.
+  // In gimbal lock, roll and yaw are the same rotation; it is returned as yaw.
   if (across < 1e-12) return {0.0, std::atan2(-m(2, 0), across), std::atan2(-m(0, 1), m(1, 1))};
   return {std::atan2(m(2, 1), m(2, 2)), std::atan2(-m(2, 0), across), std::atan2(m(1, 0), m(0, 0))};
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Poses between named frames as NCore has them. For io/ncore, io/import/ncore and tests.
+// NCore's poses between named frames, for io/ncore, io/import/ncore and tests.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,11 +11,12 @@
 
 namespace simuli::ncore {
 
-/// "('rig', 'world')", and back. Error{kInput} naming file and field for what is no pair of names.
+/// Converts between "('rig', 'world')" and a pair of names. Throws Error{kInput} naming file and field for an
+/// invalid key.
 [[nodiscard]] std::string key_of(const std::string& source, const std::string& target);
 [[nodiscard]] std::pair<std::string, std::string> frames_of(const std::string& key, const std::string& file);
 
-/// 4 x 4 numbers. Error{kInput} for what is no rigid transform.
+/// Parses a 4 x 4 matrix. Throws Error{kInput} unless it is a rigid transform.
 [[nodiscard]] Pose pose_of(const Json& matrix, const std::string& file, const std::string& field);
 
 struct StampedPose {
@@ -25,16 +26,16 @@ struct StampedPose {
 
 class PoseTable {
  public:
-  /// Adds what a poses component says: its attributes of static_poses and of dynamic_poses. Error{kInput}
-  /// naming `file` for what is damaged, not in time's order, or said twice.
+  /// Adds the attributes static_poses and dynamic_poses of a poses component. Throws Error{kInput} naming
+  /// `file` for damaged, unsorted or repeated entries.
   void add_static(const Json& attributes, const std::string& file);
   void add_dynamic(const Json& attributes, const std::string& file);
 
-  /// Where frame b is in frame a, through links that don't move; nothing where there is no such way.
+  /// Returns the pose of frame b in frame a through static links; no value without a connection.
   [[nodiscard]] std::optional<Pose> fixed(const std::string& a, const std::string& b) const;
-  /// world_from_rig in time's order, through one link that moves; empty where there is none.
+  /// Returns world_from_rig in time order through one dynamic link; empty without one.
   [[nodiscard]] std::vector<StampedPose> path(const std::string& world, const std::string& rig) const;
-  /// All pairs, for messages.
+  /// Returns all pairs, for messages.
   [[nodiscard]] std::string pairs() const;
 
  private:
@@ -50,7 +51,7 @@ class PoseTable {
   std::vector<Dynamic> dynamic_;
 };
 
-/// Euler angles about fixed axes x, y, z, one after the other, as boxes have them: rad.
+/// Converts extrinsic Euler angles x, y, z in rad, as in boxes.
 [[nodiscard]] Eigen::Quaterniond rotation_of_euler(const Eigen::Vector3d& xyz_rad);
 [[nodiscard]] Eigen::Vector3d euler_of(const Eigen::Quaterniond& rotation);
 

@@ -11,7 +11,7 @@
 namespace simuli::ncore {
 namespace {
 
-constexpr std::size_t kMostElements = 65536;  // of an axis
+constexpr std::size_t kMostElements = 65536;  // per axis
 constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
 
 using Seen = std::array<float, 3>;
@@ -26,7 +26,7 @@ Eigen::Vector3d nominal_direction(const LidarRays& rays, std::size_t i) {
   return Lidar::direction(rays.azimuth[i], rays.elevation[i]);
 }
 
-/// Where a ray of `range` metres ends, as it is seen from the sensor's origin.
+/// End point of a ray of `range` metres, relative to the sensor's origin.
 struct End {
   Seen direction;
   float distance = 0.0F;
@@ -48,14 +48,15 @@ float fraction_of(std::uint64_t stamp_us, const FrameTime& time) {
   return duration > 0.0 ? static_cast<float>(std::clamp(after / duration, -1.0, 2.0)) : 0.0F;
 }
 
-/// Range along the ray of which `distance` is from the sensor's origin: 0 where there is none.
+/// Returns the range along the ray at which the distance from the sensor's origin is `distance`; 0 without a
+/// solution.
 double range_at(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double distance) {
   const double along = origin.dot(direction);
   const double square = along * along + distance * distance - origin.squaredNorm();
   return square > 0.0 ? std::sqrt(square) - along : 0.0;
 }
 
-/// One ray of a sweep from what the bundle says of it.
+/// Converts one ray of a bundle to a ray of a sweep.
 class Ray {
  public:
   Ray(const LidarModel& model, Sweep& sweep, std::size_t i) : model_(model), sweep_(sweep), i_(i) {}
@@ -79,8 +80,8 @@ class Ray {
   }
 
  private:
-  /// Angles under which the ray's own origin sees the place: both move together, a hand's breadth against
-  /// metres.
+  /// Computes the angles of the point from the ray's own origin. The origin depends on the angles, but moves
+  /// only centimetres.
   void measured(const Eigen::Vector3d& place) {
     constexpr int kSteps = 6;
     Eigen::Vector3d from_origin = place;
@@ -189,8 +190,8 @@ Exact RayGrid::lost(const Sweep& sweep, const RayBundle& bundle, const FrameTime
 }
 
 void RayGrid::restore(const Exact& exact, Sweep& sweep) const {
-  // Single precision of a direction, a microsecond of a sweep, and a distance's share of what the angles are
-  // off.
+  // Tolerances: single precision of a direction, a microsecond of a sweep, and the range error relative to the
+  // angular error.
   constexpr float kAngle_rad = 1e-5F, kTime = 1e-3F, kRange = 1e-4F;
   constexpr float kTurn = 6.2831853F;
   for (std::size_t n = 0; n < exact.ray.size(); ++n) {
@@ -202,7 +203,7 @@ void RayGrid::restore(const Exact& exact, Sweep& sweep) const {
                          std::abs(now[1] - before[1]) <= kAngle_rad &&
                          (now[3] > 0.0F) == (before[3] > 0.0F) &&
                          std::abs(now[3] - before[3]) <= kRange * (1.0F + before[3]) &&
-                         // Beyond the frame they were moved to its ends.
+                         // Times outside the frame were clamped.
                          std::abs(std::clamp(now[2], 0.0F, 1.0F) - before[2]) <= kTime;
     if (!is_same) continue;
     sweep.rays.azimuth[i] = now[0];

@@ -19,12 +19,12 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "the format is little endian");
 
 constexpr std::uint32_t kMagic = 20000630;
-constexpr std::uint32_t kDeepOrSeveralParts = 0x1800;  // flags of the version
+constexpr std::uint32_t kDeepOrSeveralParts = 0x1800;  // flags in the version field
 constexpr std::size_t kLongestHeaderName = 254;
 constexpr std::uint32_t kLargestTile_px = 1024;
 
-/// Types that OpenEXR reads without looking at how long the attribute says it is: where the two differ, what
-/// it takes for the next attribute's length can be anything.
+/// Types that OpenEXR reads without checking the attribute's size; a wrong size would misplace the next
+/// attribute's length.
 struct Sized {
   std::string_view type;
   std::uint32_t bytes;
@@ -111,7 +111,7 @@ class Header {
     return out;
   }
 
-  /// Names with 16 bytes each, up to an empty one: as long as the attribute.
+  /// Checks the channel list: names followed by 16 bytes, up to an empty name, in exactly `bytes` bytes.
   void check_channels(std::uint32_t bytes) {
     constexpr std::size_t kOfOne = 16;
     const std::uintmax_t end = left_ - bytes;
@@ -123,7 +123,7 @@ class Header {
   }
 
   void check_window(const std::string& name, std::uint32_t bytes) {
-    std::array<std::int32_t, 4> box{};  // the first and last x, y: both within
+    std::array<std::int32_t, 4> box{};  // inclusive minimum and maximum x, y
     if (bytes != sizeof box) refuse(name, fmt::format("{} bytes", bytes), "four numbers");
     for (std::int32_t& side : box) side = next<std::int32_t>();
     for (const std::size_t axis : {0U, 1U}) {
@@ -141,7 +141,7 @@ class Header {
       if (side < 1 || side > kLargestTile_px)
         refuse("tiles", fmt::format("{} pixels a side", side), "1 to 1024");
     }
-    (void)next<char>();  // how levels are made
+    (void)next<char>();  // level mode
   }
 
   std::string file_;

@@ -20,17 +20,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// 3 GiB as float RGB: a header that claims more is not worth the memory.
+/// 3 GiB as float RGB; larger claims are refused before allocation.
 constexpr std::int64_t kMostPixels = std::int64_t{1} << 28U;
 
-/// The library's messages on one line.
+/// Joins the library's messages to one line.
 std::string one_line(std::string text) {
   while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.pop_back();
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text.empty() ? "an unreadable picture" : text;
 }
 
-/// JPEG decoders fill a truncated picture with grey and call it a warning: look for the end marker.
+/// JPEG decoders fill a truncated picture with grey and only warn; check the end marker.
 void require_jpeg_end(const fs::path& file) {
   const std::string bytes = read_file(file);
   if (bytes.rfind("\xFF\xD9") == std::string::npos) {
@@ -38,8 +38,8 @@ void require_jpeg_end(const fs::path& file) {
   }
 }
 
-/// The PNG library writes to stderr by itself when a file ends early, and errors are to be one line: the
-/// chunks are counted off beforehand. Files of other formats pass.
+/// The PNG library prints to stderr for truncated files, but an error must be one line; check the chunks first.
+/// Accepts files of other formats.
 void require_whole_png(const fs::path& file) {
   constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
   constexpr std::size_t kChunkFrame = 12;  // length, name, checksum
@@ -64,8 +64,8 @@ void require_whole_png(const fs::path& file) {
   throw_input_error(file.string(), "PNG end chunk", "none (truncated)", "a whole picture");
 }
 
-/// Formats by their first bytes. Left to itself the library goes by the name, and where that does not fit it
-/// tries every decoder it has, of videos and of raw pictures among them: on files from anybody.
+/// Formats detected by the first bytes. The library would use the extension and otherwise try all its decoders,
+/// including those of videos and raw pictures, on untrusted files.
 struct Format {
   std::string_view start;
   const char* name;
@@ -80,7 +80,7 @@ constexpr std::array<Format, 9> kFormats{{{"\x89PNG", "png"},
                                           {"P5", "pnm"},
                                           {"P6", "pnm"}}};
 
-/// The picture, and its format's name.
+/// Returns the opened picture and its format's name.
 std::pair<std::unique_ptr<PictureInput>, std::string_view> open_picture(const fs::path& file) {
   constexpr std::size_t kStart = 4;
   std::string start(kStart, '\0');
@@ -118,8 +118,9 @@ void require_size(const fs::path& file, const PictureLayout& layout) {
   }
 }
 
-/// What a few bytes claim is not worth the memory. Deflate makes 1032 bytes of one, and so 8256 pixels of a bit each;
-/// the others here make fewer. EXR, TIFF and WebP hold a picture of one colour in next to nothing.
+/// Refuses pictures that few bytes claim to be large. Deflate expands at most 1032 times, to 8256 one-bit
+/// pixels per byte; the other formats expand less. EXR, TIFF and WebP may store a picture of one colour in very
+/// few bytes.
 void require_pixels_for(const fs::path& file, std::string_view format, const PictureLayout& layout) {
   constexpr std::int64_t kPixelsPerByte = 1 << 14;
   if (format == "exr" || format == "tiff" || format == "webp") return;
@@ -183,7 +184,7 @@ void write_pixels(const fs::path& file, const PictureSamples& picture) {
   });
 }
 
-/// Weights with which the old pixels [first, first + weights.size()) make a new one; they sum to 1.
+/// Weights of the old pixels [first, first + weights.size()) in a new pixel; their sum is 1.
 struct Footprint {
   int first = 0;
   std::vector<float> weights;
@@ -205,7 +206,7 @@ std::vector<Footprint> footprints(int old_size, int new_size) {
   return out;
 }
 
-/// One whose header promises nothing that is not allowed.
+/// Opens a picture whose header is within the limits.
 std::pair<std::unique_ptr<PictureInput>, std::string_view> open_sound(const fs::path& file) {
   need_regular_file(file);
   require_whole_png(file);
@@ -215,7 +216,7 @@ std::pair<std::unique_ptr<PictureInput>, std::string_view> open_sound(const fs::
   return opened;
 }
 
-/// With the channels that the file has.
+/// Reads all channels of the file.
 Image read_stored(const fs::path& file, const std::function<void(int, int)>& need_size) {
   const auto [input, format] = open_sound(file);
   const PictureLayout layout = input->layout();
@@ -251,7 +252,8 @@ fs::path name_for(ImageCode code) {
 std::string encode_bytes(
     std::span<const unsigned char> pixels, int width, int height, int channels, ImageCode code, int quality) {
   const fs::path name = name_for(code);
-  constexpr int kLeastOfJpeg2000 = 32;  // of its six sizes; the library writes what nobody reads below it
+  // least side for its six resolution levels; smaller files are unreadable
+  constexpr int kLeastOfJpeg2000 = 32;
   if (code == ImageCode::kJpeg2000 && std::min(width, height) < kLeastOfJpeg2000) {
     throw_input_error(name.string(),
                       "picture",
@@ -267,7 +269,7 @@ std::string encode_bytes(
   return bytes;
 }
 
-/// Colours, grey three times, and behind them alpha where four channels are wanted.
+/// Converts to three colour channels (grey is replicated), followed by alpha if `channels` is 4.
 Image as_colors(const Image& stored, int channels) {
   Image out(stored.width, stored.height, channels);
   const bool is_grey = stored.channels < 3, has_alpha = stored.channels % 2 == 0;
@@ -355,10 +357,10 @@ void to_bytes(std::span<const float> values, std::span<unsigned char> bytes) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("bytes: found room for {}, allowed {}", bytes.size(), values.size()));
   }
-  // Half a step goes up, and nothing below: to add 0.5 would round some values just below it up, too. Blocks
-  // of a length that is known are compiled to vector instructions.
+  // Half a step is rounded up, values below it are not: adding 0.5 would round some values just below it up.
+  // Blocks of constant length are vectorised.
   const auto byte_of = [](float value) {
-    const float above = value > 0.0F ? value : 0.0F;  // NaN, too
+    const float above = value > 0.0F ? value : 0.0F;  // also for NaN
     const float steps = (above < 1.0F ? above : 1.0F) * 255.0F;
     const int whole = static_cast<int>(steps);
     return static_cast<unsigned char>(whole + (steps - static_cast<float>(whole) >= 0.5F ? 1 : 0));

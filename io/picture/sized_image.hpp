@@ -1,6 +1,6 @@
 #pragma once
-// Pictures whose size is known before they are read: one of another is refused by its header, as anybody's may take
-// minutes and gigabytes to decode.
+// Pictures of a known size: a picture of another size is refused by its header, because decoding an untrusted
+// file may take minutes and gigabytes.
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -10,12 +10,12 @@
 
 namespace simuli {
 
-/// Width and height in px that the header tells; no pixel is read.
+/// Returns width and height in px from the header without reading pixels.
 [[nodiscard]] std::pair<int, int> size_of_image(const std::filesystem::path& file);
-/// As read_image(); `need_size` throws, or the pixels are read.
+/// read_image() that first calls `need_size`, which may throw.
 [[nodiscard]] Image read_image(const std::filesystem::path& file,
                                const std::function<void(int width, int height)>& need_size);
-/// Error{kInput} for another size than that of `whose`: "camera front".
+/// Throws Error{kInput} for another size than that of `whose`, for example "camera front".
 [[nodiscard]] Image read_image(const std::filesystem::path& file,
                                int width,
                                int height,

@@ -16,11 +16,11 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr char kPlumbBob[] = "plumb_bob", kRational[] = "rational_polynomial", kEquidistant[] = "equidistant";
 
-/// Our k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 max_angle has OpenCV's order.
+/// The coefficients k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 max_angle are in OpenCV's order.
 constexpr std::size_t kPlumbBobCount = 5, kRationalCount = 8, kEquidistantCount = 4;
 
-/// ROS has no name for a windshield: our lens's with this behind it. d: the lens's own parameters, 0 or 1
-/// (forward or backward polynomials are exact), and the four polynomials, each behind its number of
+/// ROS has no model of windshields; this suffix is appended to the lens's name. d: the lens's parameters, 0 or
+/// 1 (forward or backward polynomials are exact), and four polynomials, each preceded by its number of
 /// coefficients.
 constexpr std::string_view kBehindWindshield = "_behind_windshield";
 
@@ -40,7 +40,8 @@ void put_windshield(const Lens& lens, CameraInfoMessage& info) {
   }
 }
 
-/// The same back, and off the end of `d`; false where `d`, behind `lens_count` parameters, is none.
+/// Parses the windshield and removes it from the end of `d`; returns false if `d` after `lens_count` parameters
+/// is invalid.
 bool take_windshield(std::vector<double>& d, std::size_t lens_count, Windshield& glass) {
   std::size_t at = lens_count;
   if (at >= d.size() || (d[at] != 0.0 && d[at] != 1.0)) return false;
@@ -146,7 +147,7 @@ Camera camera_of(const CameraInfoMessage& info,
   if ((model.empty() || model == "none" || model == kPlumbBob || model == kRational) && is_undistorted) {
     d.clear();
   } else if (model.empty() || model == kPlumbBob || model == kRational) {
-    // Drivers write OpenCV's vector of any length under either name or none; what is behind its end is zero.
+    // Drivers write OpenCV's vector of any length under either name or none; missing coefficients are zero.
     constexpr std::array<std::size_t, 5> kOpencvCounts{4, 5, 8, 12, 14};
     if (std::find(kOpencvCounts.begin(), kOpencvCounts.end(), d.size()) == kOpencvCounts.end())
       refuse("d", fmt::format("{} values", d.size()), "4, 5, 8, 12 or 14 of " + model);

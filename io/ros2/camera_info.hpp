@@ -1,17 +1,19 @@
 #pragma once
-// CameraInfo and cameras. Here pixel centres are at halves, in ROS at whole numbers: cx and cy differ by 0.5.
+// Conversion of cameras and CameraInfo. In this project pixel centres are at halves, in ROS at integers: cx and
+// cy differ by 0.5.
 #include "host/core/sensors/camera.hpp"
 #include "io/ros2/messages.hpp"
 
 namespace simuli::ros2 {
 
-/// Header left empty. plumb_bob, rational_polynomial or equidistant where the lens is one of these; any other
-/// has the name of its own and D its parameters, in the order of lens_parameter_names(): who doesn't know it
-/// should refuse it. Where a fisheye's map ends (max_angle_rad) has no place in equidistant.
+/// Returns the message without a header. Lenses use plumb_bob, rational_polynomial or equidistant if possible;
+/// other lenses have a name of this project and D contains their parameters in the order of
+/// lens_parameter_names(); unaware readers should refuse them. equidistant has no field for the limit of a
+/// fisheye (max_angle_rad).
 [[nodiscard]] CameraInfoMessage camera_info_of(const Camera& camera);
 
-/// The camera, with a global shutter. Error{kInput} naming `file` and the field of `where` for models that
-/// there are not, counts of parameters that are not theirs, parts of pictures and binned ones.
+/// Returns the camera with a global shutter. Throws Error{kInput} naming `file` and the field of `where` for
+/// unknown models, wrong numbers of parameters, regions of interest and binning.
 [[nodiscard]] Camera camera_of(const CameraInfoMessage& info,
                                const std::string& name,
                                const std::string& file,

@@ -1,7 +1,7 @@
 #pragma once
-// Common Data Representation, version 1, little endian: how ROS 2 writes messages. Behind a head of 4 bytes,
-// numbers stand at multiples of their own size; texts are their length with a closing zero, their bytes, and
-// the zero; sequences their length and elements; arrays of fixed length their elements.
+// Common Data Representation, version 1, little endian, the encoding of ROS 2 messages. After a header of 4
+// bytes, numbers are aligned to their size; strings are their length including a terminating zero, their bytes
+// and the zero; sequences their length and elements; fixed arrays their elements.
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -30,13 +30,13 @@ class CdrWriter {
     bytes_.append(value).push_back('\0');
     return *this;
   }
-  /// A sequence of bytes.
+  /// Appends a sequence of bytes.
   CdrWriter& bytes(std::string_view value) {
     number(static_cast<std::uint32_t>(value.size()));
     bytes_.append(value);
     return *this;
   }
-  /// Of a sequence; its elements follow.
+  /// Appends the length of a sequence; its elements follow.
   CdrWriter& length(std::size_t count) { return number(static_cast<std::uint32_t>(count)); }
   template <class Numbers>
   CdrWriter& all(const Numbers& values) {
@@ -50,8 +50,8 @@ class CdrWriter {
   std::string bytes_{"\0\1\0\0", kHead};
 };
 
-/// Reads what has been written so; `where` says which message of which file. Error{kInput} for what does not
-/// fit: nothing is as long as it says before the bytes are there.
+/// Reads this encoding; `where` names message and file. Throws Error{kInput} for invalid data; lengths are
+/// checked against the remaining bytes.
 class CdrReader {
  public:
   CdrReader(std::string_view message, std::string file, std::string where)
@@ -73,7 +73,7 @@ class CdrReader {
   }
   std::string text(const char* field) {
     const auto count = number<std::uint32_t>(field);
-    if (count == 0) return {};  // some writers leave the zero out of empty ones
+    if (count == 0) return {};  // some writers omit the zero of empty strings
     const std::string_view raw = take(count, field);
     if (raw.back() != '\0') refuse(field, "no zero behind it", "one");
     return std::string(raw.substr(0, raw.size() - 1));
@@ -82,7 +82,7 @@ class CdrReader {
     const auto count = number<std::uint32_t>(field);
     return take(count, field);
   }
-  /// Of a sequence whose elements take so many bytes at least.
+  /// Reads the length of a sequence whose elements have at least `least_bytes` bytes each.
   std::size_t length(const char* field, std::size_t least_bytes) {
     const std::size_t count = number<std::uint32_t>(field);
     if (count > (bytes_.size() - at_) / least_bytes)

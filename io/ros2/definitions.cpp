@@ -1,5 +1,4 @@
-// Types and names of the fields of ROS 2's messages (Humble and later), in the order in which they are
-// written.
+// Fields of ROS 2 messages (Humble and later) in encoding order.
 #include <algorithm>
 #include <set>
 #include <string>
@@ -66,7 +65,7 @@ const Definition* find(std::string_view type) {
   return found == std::end(kDefinitions) ? nullptr : found;
 }
 
-/// What the fields are made of that is defined here, deepest last, each once.
+/// Appends the definitions of all field types that are defined here, each once, the deepest last.
 void add_parts(const Definition& whole, std::set<std::string_view>& known, std::string& text) {
   std::string_view rest = whole.fields;
   while (!rest.empty()) {

@@ -10,7 +10,7 @@ namespace {
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 void put(CdrWriter& out, const Header& header) {
-  // Rounded down, as the part below a second counts up from there.
+  // Rounded down, because nanoseconds count up from the second.
   std::int64_t seconds = header.stamp_ns / kSecond_ns, rest = header.stamp_ns % kSecond_ns;
   if (rest < 0) {
     --seconds;
@@ -42,7 +42,7 @@ Header read_header(CdrReader& in) {
   return {seconds * kSecond_ns + rest, in.text("header.frame_id")};
 }
 
-/// What is wrong with it: field, found, allowed; nothing where it is sound.
+/// Error of a message: field, found, allowed; no value if it is valid.
 using Fault = std::optional<std::array<std::string, 3>>;
 
 Fault read_pose(CdrReader& in, const char* position, const char* rotation, Pose& pose) {
@@ -219,10 +219,10 @@ PointCloudMessage read_point_cloud(CdrReader in) {
                 fmt::format("within the point_step of {}", m.point_step));
     }
   }
-  if (m.width == 0 || m.height == 0) m.width = m.height = 0;  // no point
+  if (m.width == 0 || m.height == 0) m.width = m.height = 0;  // no points
   if (m.width > 0 && m.point_step == 0) in.refuse("point_step", "0", "1 or more");
   const std::uint64_t row = std::uint64_t{m.width} * m.point_step;
-  if (m.height <= 1 && m.row_step == 0) m.row_step = m.point_step * m.width;  // some drivers leave it at 0
+  if (m.height <= 1 && m.row_step == 0) m.row_step = m.point_step * m.width;  // some drivers leave it 0
   if (m.row_step < row)
     in.refuse(
         "row_step", fmt::format("{}", m.row_step), fmt::format("at least {} (width x point_step)", row));

@@ -1,6 +1,6 @@
 #pragma once
-// The messages of ROS 2 that drives are made of, with the fields that they have there, and how they stand in
-// CDR. For io/ros2/*.cpp, io/import/ros2/*.cpp and tests.
+// ROS 2 messages of drives with their fields and CDR encoding, for io/ros2/*.cpp, io/import/ros2/*.cpp and
+// tests.
 #include <array>
 #include <cstdint>
 #include <string>
@@ -13,7 +13,7 @@
 namespace simuli::ros2 {
 
 struct Header {
-  std::int64_t stamp_ns = 0;  // seconds of 32 bits and nanoseconds in the message
+  std::int64_t stamp_ns = 0;  // in the message: 32-bit seconds and nanoseconds
   std::string frame_id;
 };
 
@@ -23,8 +23,8 @@ struct ImageMessage {
   std::uint32_t height = 0, width = 0;
   std::string encoding;
   bool is_bigendian = false;
-  std::uint32_t step = 0;  // bytes of a row
-  std::string_view data;   // of the message; in writing, of whoever owns it
+  std::uint32_t step = 0;  // bytes per row
+  std::string_view data;   // refers to the message or to the caller's data
 };
 
 /// sensor_msgs/msg/CompressedImage
@@ -95,7 +95,7 @@ struct OdometryMessage {
 struct BoxMarker {
   Header header;
   std::string name;     // its namespace
-  Pose frame_from_box;  // of its middle
+  Pose frame_from_box;  // of its centre
   std::array<double, 3> size_m{};
   std::array<float, 4> rgba{};
   std::int64_t lifetime_ns = 0;
@@ -117,20 +117,21 @@ inline constexpr char kMarkerArray[] = "visualization_msgs/msg/MarkerArray";
 [[nodiscard]] std::string to_cdr(const OdometryMessage& message);
 [[nodiscard]] std::string to_cdr(const std::vector<BoxMarker>& markers);  // MarkerArray
 
-/// Errors as CdrReader's; also a height, a step or fields that the data does not have, poses that are none.
+/// Errors as in CdrReader; also for a height, step or fields that exceed the data, and for invalid poses.
 [[nodiscard]] ImageMessage read_image_message(CdrReader in);
 [[nodiscard]] CompressedImageMessage read_compressed_image(CdrReader in);
 [[nodiscard]] CameraInfoMessage read_camera_info(CdrReader in);
 [[nodiscard]] PointCloudMessage read_point_cloud(CdrReader in);
-/// Those that are none (NaN, beyond 1e9 m, a quaternion's norm 1 % from 1) are left out and counted, as tf2 does.
+/// Leaves out and counts invalid transforms (NaN, beyond 1e9 m, a quaternion norm that differs from 1 by 1 %),
+/// as tf2 does.
 [[nodiscard]] std::vector<TransformMessage> read_transforms(CdrReader in, std::size_t& left_out);
-/// What Image, CompressedImage and PointCloud2 begin with.
+/// Reads the header with which Image, CompressedImage and PointCloud2 begin.
 [[nodiscard]] Header read_header_of(CdrReader in);
 [[nodiscard]] OdometryMessage read_odometry(CdrReader in);
 
-/// Bytes of one value; 0 of a type that there is not.
+/// Returns the bytes of one value; 0 for an unknown type.
 [[nodiscard]] std::size_t bytes_of(std::uint8_t datatype);
-/// A type's definition with all that it is made of, as MCAP has them ("ros2msg"), of those named above.
+/// Returns the definition of a message type with all its parts in MCAP's encoding "ros2msg".
 [[nodiscard]] std::string definition_of(std::string_view type);
 
 }  // namespace simuli::ros2

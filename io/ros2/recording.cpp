@@ -21,7 +21,7 @@ constexpr char kWorld[] = "map", kRig[] = "base_link";
 constexpr double kIntensityMost = 255.0;
 constexpr double kNanoseconds = 1e9;
 
-/// Letters, digits and underscores, no digit first: what a part of a topic may be.
+/// Returns a valid part of a topic: letters, digits and underscores, not beginning with a digit.
 std::string topic_part(const std::string& name) {
   std::string part = name;
   for (char& c : part) {
@@ -42,7 +42,7 @@ const Sensor& find(const std::vector<Sensor>& sensors, const std::string& name) 
   return *found;
 }
 
-/// As rosbag2 keeps them, for players to publish with.
+/// Returns the QoS profile in rosbag2's format.
 std::string quality_of_service(bool is_latched) {
   constexpr int kReliable = 1, kTransientLocal = 1, kVolatile = 2, kKeepLast = 1;
   return fmt::format(
@@ -62,7 +62,7 @@ void put(std::string& to, std::size_t at, T value) {
   std::memcpy(to.data() + at, &value, sizeof value);
 }
 
-/// A column's index in a cloud; below 0: it has none.
+/// Returns a column's index in a cloud; negative if it is missing.
 Eigen::Index column(const PointCloud& cloud, const char* name) {
   const auto found = std::find(cloud.columns.begin(), cloud.columns.end(), name);
   return found == cloud.columns.end() ? -1 : found - cloud.columns.begin();
@@ -127,7 +127,7 @@ void Ros2Recording::write(const std::string& topic,
 
 void Ros2Recording::write_path_until(double time_s) {
   const std::vector<TimedPose>& poses = drive_.world_from_rig.poses();
-  if (poses_written_ == 0) {  // from the last pose before the first frame on
+  if (poses_written_ == 0) {  // from the last pose before the first frame
     while (poses_written_ + 1 < poses.size() && poses[poses_written_ + 1].time_s <= time_s) ++poses_written_;
   }
   const auto is_due = [&] { return poses[poses_written_].time_s <= time_s; };
@@ -142,7 +142,7 @@ void Ros2Recording::write_path_until(double time_s) {
 }
 
 void Ros2Recording::write_actors(double time_s) {
-  constexpr std::int64_t kLifetime_ns = 150'000'000;  // of one frame at 10 Hz, and a half
+  constexpr std::int64_t kLifetime_ns = 150'000'000;  // 1.5 frames at 10 Hz
   std::vector<ros2::BoxMarker> boxes;
   for (const Actor& actor : drive_.actors) {
     if (!actor.is_there(time_s)) continue;
@@ -231,7 +231,7 @@ void Ros2Recording::add_cloud(const std::string& lidar, double time_start_s, con
 
 void Ros2Recording::finish() {
   const std::vector<TimedPose>& poses = drive_.world_from_rig.poses();
-  // Up to the first pose that is not before the last frame's end.
+  // Up to the first pose at or after the last frame's end.
   const auto last = std::lower_bound(
       poses.begin(), poses.end(), last_s_, [](const TimedPose& pose, double s) { return pose.time_s < s; });
   write_path_until(last == poses.end() ? poses.back().time_s : last->time_s);

@@ -16,12 +16,12 @@ namespace fs = std::filesystem;
 
 constexpr const char* kEnvironmentName = "environment.exr";
 constexpr const char* kGridsName = "color_grids.exr";
-constexpr std::int64_t kMostTexels = 16384;  // a side
-constexpr std::int64_t kMostVertices = 64;   // an axis
-constexpr std::size_t kAcross = 8;           // grids in a row of the picture
+constexpr std::int64_t kMostTexels = 16384;  // per side
+constexpr std::int64_t kMostVertices = 64;   // per axis
+constexpr std::size_t kAcross = 8;           // grids per row of the picture
 constexpr int kColumns = 4;                  // of a transform
 
-/// Where a value of the grids stands in their picture.
+/// Positions of the grids' values in their picture.
 struct GridPicture {
   explicit GridPicture(const ColorGrids& g)
       : grids(g),

@@ -65,7 +65,7 @@ void write_frames_file(const std::filesystem::path& file, const FramesRecord& re
         {{"id", actor.id}, {"name", actor.name}, {"kind", actor.kind}, {"class", actor.class_id}});
   }
   root["frames"] = std::move(frames);
-  // A path on the command line need not be UTF-8: what is not stands as U+FFFD.
+  // Paths from the command line may not be UTF-8; invalid bytes become U+FFFD.
   write_file_atomically(file, root.dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 

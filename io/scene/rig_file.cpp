@@ -26,7 +26,7 @@ Mounting mounting_from_json(JsonObject& object) {
   return {object.vector<3>("position_m"), angle("roll_deg"), angle("pitch_deg"), angle("yaw_deg")};
 }
 
-/// What `make` gives; what is wrong with it is wrong with the file.
+/// Returns the result of `make`; its errors are reported as errors of the file.
 template <class Make>
 Sensor sensor_of_field(const JsonObject& object, const char* key, const Make& make) {
   try {
@@ -46,7 +46,8 @@ std::optional<Pose> read_mount(JsonObject& object, bool is_camera) {
   return is_camera ? mounting.rig_from_camera() : mounting.rig_from_lidar();
 }
 
-/// What "sensor" says, where it stands without a mount of its own; nowhere in particular when it has one.
+/// Returns the sensor of the key "sensor": at its recorded mounting without a mount of its own, else at the
+/// origin.
 RigSensor read_model(JsonObject& object, const SensorRig& recorded, bool is_mounted) {
   const auto find = [&](const std::string& name) {
     return sensor_of_field(

@@ -1,5 +1,5 @@
 #pragma once
-// A rig of one's own: any number of sensors, each with its place, as a JSON file.
+// A user-defined rig as a JSON file: any number of sensors with mountings.
 //
 //   {"format": "simuli rig", "version": 1, "sensors": [
 //     {"name": "roof", "sensor": "hesai_pandar64",
@@ -8,11 +8,11 @@
 //      "rig_from_sensor": {"position_m": [...], "rotation_wxyz": [...]}},
 //     {"name": "ahead", "sensor": {"kind": "camera", ...}}]}
 //
-// name: of the sensor's files, each once. sensor: as SensorRig::find() takes it, files beside this one; or
-// the content of such a file. mount: as of Mounting (host/core/scene/mounting.hpp), angles that are missing are 0;
-// or rig_from_sensor, as frames.json has it. A sensor with neither stands where it was recorded, or in the
-// place of the first of its kind. width_px, height_px: of cameras, both or neither. readout_s: of a rolling
-// shutter, unless the camera is a recorded one, whose frames say it.
+// name: unique, used for the sensor's files. sensor: a name as in SensorRig::find(), with files relative to this
+// file, or the content of such a file. mount: as Mounting (host/core/scene/mounting.hpp), missing angles are 0; or
+// rig_from_sensor as in frames.json. A sensor with neither is mounted as recorded, or like the first sensor of its
+// kind. width_px, height_px: of cameras, both or neither. readout_s: of a rolling shutter, unless the camera was
+// recorded, because its frames determine it.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -26,8 +26,8 @@ struct RigSensor {
   std::string model;  // as SensorRig::frames() takes it
 };
 
-/// With the names of `recorded`. Error{kInput} naming file and field for bad syntax, missing, unknown or
-/// twice written keys, no sensor at all, and sensors that can't be.
+/// Reads a rig; names refer to `recorded`. Throws Error{kInput} naming file and field for invalid syntax,
+/// missing, unknown or repeated keys, an empty rig, and impossible sensors.
 [[nodiscard]] std::vector<RigSensor> read_rig_file(const std::filesystem::path& file,
                                                    const SensorRig& recorded);
 

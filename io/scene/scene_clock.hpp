@@ -1,5 +1,5 @@
 #pragma once
-// What simulators know a scene by: its name and its clock, the same in an archive as over the wire.
+// Name and clock of a scene for simulators, equal in archives and in the server.
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -8,24 +8,24 @@
 
 namespace simuli {
 
-/// The name of a scene's folder or file without the extension.
+/// Returns the name of a scene's folder or file without the extension.
 [[nodiscard]] std::string scene_id_of(std::filesystem::path path);
 
-/// Whole microseconds from the log's start; where the path begins before it, from a whole number of seconds
-/// before it, so that no time of the path is negative.
+/// Converts times to whole microseconds from the log's start; if the trajectory begins before it, from a whole
+/// number of seconds before it, so that all times of the trajectory are non-negative.
 class SceneClock {
  public:
   SceneClock() = default;
-  /// Of a path that may be empty.
+  /// The trajectory may be empty.
   explicit SceneClock(const Trajectory& world_from_rig);
 
-  /// Of earlier times 0.
+  /// Earlier times become 0.
   [[nodiscard]] std::uint64_t microseconds(double time_s) const;
-  /// time_us: at most 2^52, which is exact in a double.
+  /// time_us: at most 2^52, which a double represents exactly.
   [[nodiscard]] double seconds(std::uint64_t time_us) const;
 
  private:
-  std::int64_t start_us_ = 0;  // at or below 0: of the log's clock
+  std::int64_t start_us_ = 0;  // in the log's clock; at most 0
 };
 
 }  // namespace simuli

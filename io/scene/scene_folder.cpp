@@ -32,18 +32,18 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSceneFormat = "simuli scene";
 constexpr int kSceneVersion = 1;
-constexpr int kSceneVersionOfShapes = 2;     // has actors that are not rigid
-constexpr int kSceneVersionOfOccluders = 3;  // has particles behind and instead of actors
-constexpr int kSceneVersionOfVisibilitySets = 4;     // has what cameras see from chunks of the path alone
-constexpr int kSceneVersionOfHidden = 5;     // whose actors hide something of it
-constexpr int kSceneVersionOfWidth = 6;      // whose pixels are not as wide as 3DGS takes them
+constexpr int kSceneVersionOfShapes = 2;          // has non-rigid actors
+constexpr int kSceneVersionOfOccluders = 3;       // has disoccluded and inpainted Gaussians
+constexpr int kSceneVersionOfVisibilitySets = 4;  // has visibility sets of chunks
+constexpr int kSceneVersionOfHidden = 5;          // has actors that hide parts of visibility sets
+constexpr int kSceneVersionOfWidth = 6;           // has a camera filter other than that of 3DGS
 constexpr const char* kFilterKey = "camera_filter_px2";
 constexpr double kWidestFilter_px2 = 100.0;
 constexpr const char* kSceneName = "scene.json";
 constexpr const char* kCameraName = "camera.ply";
 constexpr const char* kLidarName = "lidar.ply";
 
-/// What scene.json says about one set of Gaussians.
+/// Entry of a set of Gaussians in scene.json.
 struct SetEntry {
   std::int64_t gaussians = 0;
   int sh_degree = 0;
@@ -149,7 +149,7 @@ FrameSpans read_recorded_frames(JsonObject& root, const SceneFile& scene) {
 }
 
 struct Contents {
-  SceneFile scene;  // but for the Gaussians
+  SceneFile scene;  // without the Gaussians
   SetEntry camera_set;
   SetEntry lidar_set;
   std::shared_ptr<SupportRecord> support;  // without cells
@@ -191,11 +191,12 @@ Contents parse_scene(const std::string& text, const std::string& file) {
   return contents;
 }
 
-/// The oldest program that can read it knows this one.
+/// Returns the lowest version that describes the scene, so that older programs can read it if possible.
 int version_of(const Scene& scene) {
   if (scene.camera_filter_px2 != kSplatVariance_px2) return kSceneVersionOfWidth;
   const auto hides = [](const VisibilitySet& visibility_set) { return !visibility_set.occluders.empty(); };
-  if (std::any_of(scene.visibility_sets.begin(), scene.visibility_sets.end(), hides)) return kSceneVersionOfHidden;
+  if (std::any_of(scene.visibility_sets.begin(), scene.visibility_sets.end(), hides))
+    return kSceneVersionOfHidden;
   if (!scene.visibility_sets.empty()) return kSceneVersionOfVisibilitySets;
   if (!scene.occluders.empty()) return kSceneVersionOfOccluders;
   const bool shapes = std::any_of(scene.actors.begin(), scene.actors.end(), [](const Actor& actor) {
@@ -232,7 +233,7 @@ std::string to_text(const SceneFile& scene, const std::string& file) {
   }
 }
 
-/// A set and what scene.json says about it must belong together.
+/// Reads a set and checks that it agrees with scene.json.
 GaussianSet read_set_file(const fs::path& file, SetKind kind, const SetEntry& entry) {
   GaussianSet set = read_gaussians_ply(file, kind);
   if (set.size() != entry.gaussians) {
@@ -250,7 +251,7 @@ GaussianSet read_set_file(const fs::path& file, SetKind kind, const SetEntry& en
   return set;
 }
 
-/// Every particle's actor is one of the scene's.
+/// Checks that every particle's actor exists in the scene.
 void check_actors(const GaussianSet& set, const Scene& scene, const fs::path& file) {
   for (std::size_t v = 0; v < set.actor.size(); ++v) {
     if (set.actor[v] <= most_numbers(scene)) continue;
@@ -348,7 +349,7 @@ void write_scene(const fs::path& folder, const SceneFile& scene) {
   validate(scene.scene.lidar, (folder / kLidarName).string());
   check_actors(scene.scene.camera, scene.scene, folder / kCameraName);
   check_actors(scene.scene.lidar, scene.scene, folder / kLidarName);
-  (void)parse_scene(text, file.string());  // NaN, double names, impossible sensors: refused here
+  (void)parse_scene(text, file.string());  // refuses NaN, repeated names, impossible sensors
   replace_folder_atomically(folder, is_scene_file, [&](const fs::path& beside) {
     write_gaussians_ply(beside / kCameraName, scene.scene.camera);
     write_gaussians_ply(beside / kLidarName, scene.scene.lidar);

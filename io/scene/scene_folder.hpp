@@ -1,7 +1,6 @@
 #pragma once
-// A scene folder: camera.ply, lidar.ply (io/splat/ply.hpp), what its pictures have beside particles
-// (io/scene/appearance_file.hpp) and keeps of the frames it was made of (io/scene/support_file.hpp), and
-// scene.json, which names their counts.
+// Scene folders: camera.ply, lidar.ply (io/splat/ply.hpp), pictures of the appearance
+// (io/scene/appearance_file.hpp), the support record (io/scene/support_file.hpp), and scene.json.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -18,38 +17,37 @@ namespace simuli {
 
 struct SupportRecord;  // host/core/record/support_record.hpp
 
-/// A scene with the sensors and the trajectory it was trained on, so that it renders without its log.
+/// A scene with the sensors and the trajectory of its training, so that it can be rendered without its log.
 struct SceneFile {
   Scene scene;
   std::vector<LogCamera> cameras;
   std::vector<LogLidar> lidars;
   Trajectory world_from_rig;  // may be empty
-  /// When the frames were recorded that it was made of, by sensor; none of a version that didn't say.
+  /// Times of the recorded training frames by sensor; empty for scenes of older versions.
   FrameSpans recorded_frames = {};
-  SplatReport splats = {};  // of a file of splats
-  /// How the scene was made; nothing of a scene that wasn't trained, or by a version that didn't say.
+  SplatReport splats = {};  // of a splat file
+  /// How the scene was made; no value for untrained scenes and scenes of older versions.
   std::optional<TrainingRecord> training = {};
-  /// What it keeps of those frames, to tell how well it knows what it shows; null of a scene that doesn't.
+  /// Record of the training frames for support; null if the scene has none.
   std::shared_ptr<const SupportRecord> support = {};
 
-  /// The sensor of that name; null when there is none.
+  /// Returns the sensor of that name; null if there is none.
   [[nodiscard]] const LogCamera* find_camera(const std::string& name) const;
   [[nodiscard]] const LogLidar* find_lidar(const std::string& name) const;
 };
 
-/// Tells the scene's colour grids where their frames look, if the file knows all their cameras and its path goes on
-/// for as long as they do.
+/// Sets the view directions of the scene's colour grids if the file contains all their cameras and the
+/// trajectory covers their times.
 void aim_color_grids(SceneFile& file);
 
-/// Reads a scene folder, or a file of splats (scene_of_splats()). Unknown keys are errors, as are counts or
-/// SH degrees other than scene.json says. Errors as in io/log/log.hpp.
+/// Reads a scene folder or a splat file (scene_of_splats()). Unknown keys are errors, as are counts or SH
+/// degrees that contradict scene.json. Errors as in io/log/log.hpp.
 [[nodiscard]] SceneFile read_scene(const std::filesystem::path& folder);
-/// Writes the folder beside its place and puts it there in one step, in the place of an older scene: whatever
-/// happens meanwhile, one of the two is there and whole. Error{kInput} for what could not be read back, and
-/// for a folder with anything but a scene in it.
+/// Writes a temporary folder and replaces an older scene in one step; at any time one of them exists
+/// completely. Throws Error{kInput} for a scene that could not be read back, and for an existing folder with
+/// other files.
 void write_scene(const std::filesystem::path& folder, const SceneFile& scene);
-/// Writes scene.json anew, in one step, of a folder that write_scene() has written and whose particles are the
-/// same.
+/// Rewrites scene.json atomically in a folder of write_scene() with the same particles.
 void rewrite_scene_json(const std::filesystem::path& folder, const SceneFile& scene);
 
 }  // namespace simuli

@@ -4,14 +4,14 @@
 
 namespace simuli {
 
-/// What write_scene() would refuse of the folder, before there is a scene: Error{kInput}.
+/// Throws the Error{kInput} with which write_scene() would refuse the folder.
 void need_scene_output(const std::filesystem::path& folder);
 
 class OutputLock;
 
-/// A scene's folder, taken before a training begins: this process alone makes it until this is destroyed.
-/// Error{kInput} when there is something of that name (with `overwrite`: something else than a scene), when
-/// another process has it, and where nothing can be written.
+/// Reserves a scene's folder before a training: only this process writes it until destruction. Throws
+/// Error{kInput} if the name exists (with `overwrite`: unless it is a scene), if another process has reserved
+/// it, and if nothing can be written.
 class SceneOutput {
  public:
   explicit SceneOutput(const std::filesystem::path& folder, bool overwrite = false);

@@ -21,7 +21,7 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// Built in, or a file when that may be; `own` names what else the user may have meant.
+/// Returns a built-in sensor, or reads a file if that is allowed; `own` are further suggestions for the error.
 Sensor find_named(const std::string& name, bool reads_files, std::vector<std::string> own) {
   std::error_code ignored;
   if (reads_files && (name.ends_with(".json") || fs::is_regular_file(name, ignored))) {

@@ -30,11 +30,11 @@ Camera orbit_camera() {
   return camera;
 }
 
-/// Looks at the box's middle all the time, x forward.
+/// Returns a circular trajectory whose x axis points at the box's centre.
 Trajectory around(const Eigen::AlignedBox3d& box) {
   constexpr double kSeconds = 10.0, kElevation = 20.0 * kDegree, kNearest_m = 0.5;
   constexpr int kPoses = 101;
-  // Half of a picture's height is 18 degrees: a ball that fits is 3.2 radii away, what fits into it is seen.
+  // Half of a picture's height is 18 degrees: a sphere fits from a distance of 3.2 radii.
   const double away_m = std::max(3.2 * 0.5 * box.diagonal().norm(), kNearest_m);
   std::vector<TimedPose> poses;
   for (int i = 0; i < kPoses; ++i) {
@@ -73,7 +73,7 @@ SceneFile scene_of_splats(GaussianSet splats, const fs::path& file, const SplatP
         file.string(), "actor", "particles of actors, in frames of their own", "the scene's folder");
   }
   const Pose world_from_file = placement.world_from_model * Pose{level, Eigen::Vector3d::Zero()};
-  // Particles are floats: their own origin stays near by wherever the model stands.
+  // Particles are floats: a local origin keeps their coordinates small.
   scene.origin = world_from_file.translation;
   transform(scene.camera, {world_from_file.rotation, Eigen::Vector3d::Zero()}, placement.metres_per_unit);
   Eigen::AlignedBox3d box = extent_of(scene.camera);

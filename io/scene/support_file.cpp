@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kCellsName = "support.exr";
-constexpr std::size_t kNumbers = 4;  // of a cell
+constexpr std::size_t kNumbers = 4;  // per cell
 constexpr std::int64_t kMostColumns = 4096;
 
 Json support_sensor_json(const SupportSensor& sensor) {
@@ -48,7 +48,7 @@ SupportSensor support_sensor_from_json(JsonObject& object) {
   return sensor;
 }
 
-/// Rows of the picture of that many cells.
+/// Returns the rows of the picture for that number of cells.
 int height_of(std::size_t cells) {
   const std::size_t row = static_cast<std::size_t>(kSupportRow) / kNumbers;
   return static_cast<int>(std::max<std::size_t>(1, (cells + row - 1) / row));

@@ -11,7 +11,7 @@
 namespace simuli {
 namespace {
 
-/// Any seed: all of 64 bits.
+/// Reads a seed: any 64-bit integer.
 std::uint64_t read_seed(JsonObject& object, const std::string& key) {
   const Json& seed = object.get(key);
   if (!seed.is_number_unsigned()) {
@@ -40,7 +40,7 @@ HeldOutScores read_scores(JsonObject& object) {
     using Value = std::remove_reference_t<decltype(value)>;
     if constexpr (std::is_integral_v<Value>) {
       value = static_cast<Value>(object.integer(key, 0, std::numeric_limits<int>::max()));
-    } else {  // null where there is no such frame
+    } else {  // null without such frames
       value = object.get(key).is_null() ? std::numeric_limits<double>::quiet_NaN() : object.number(key);
     }
   });
@@ -89,11 +89,11 @@ TrainingRecord training_from_json(JsonObject& object) {
   });
   r.frames.image_scale = object.number("image_scale", 0.0, 1.0);
   r.frames.held_out_every = static_cast<int>(object.integer("held_out_every", 0, kMost));
-  // Scenes made before there were such rules are without.
+  // Scenes of older versions lack these rules.
   if (object.has("held_out_middle")) r.frames.held_out_middle = object.number("held_out_middle", 0.0, 1.0);
   if (object.has("held_out_last")) r.frames.held_out_last = object.number("held_out_last", 0.0, 1.0);
   if (object.has("held_out_sensors")) r.frames.held_out_sensors = read_lines(object, "held_out_sensors");
-  // Before it was said, every N-th of all cameras' pictures together was held out, and of all LiDARs' sweeps.
+  // Older versions held out every N-th of all cameras' pictures together, and of all LiDARs' sweeps.
   r.frames.counts_by_sensor = object.has("held_out_by_sensor") && object.boolean("held_out_by_sensor");
   if (object.has("sensors")) {
     r.sensors = object.objects("sensors", [](JsonObject& sensor) {
@@ -112,7 +112,7 @@ TrainingRecord training_from_json(JsonObject& object) {
   r.version = object.text("simuli");
   r.device = object.text("device");
   r.driver = object.text("driver");
-  // Scenes made before they were kept are without.
+  // Scenes of older versions lack them.
   if (object.has("held_out") && !object.get("held_out").is_null()) {
     r.held_out = object.object("held_out", read_scores);
   }

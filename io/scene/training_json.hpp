@@ -4,7 +4,7 @@
 
 namespace simuli {
 
-/// What is not finite as null.
+/// Non-finite values become null.
 [[nodiscard]] Json to_json(const HeldOutScores& scores);
 [[nodiscard]] Json to_json(const TrainingRecord& record);
 /// Errors as in io/base/json_reader.hpp.

@@ -8,10 +8,10 @@
 
 namespace simuli {
 
-/// What the frames that a training held out say of its scene, as `simuli eval` says it. NaN: no such frame.
+/// Scores of the held-out frames as in `simuli eval`. NaN without such frames.
 struct HeldOutScores {
-  std::size_t images = 0, sweeps = 0;  // compared
-  int image_width = 0;                 // px, of the pictures compared
+  std::size_t images = 0, sweeps = 0;  // compared frames
+  int image_width = 0;                 // px, of the compared pictures
   int image_height = 0;
   double psnr_db = 0.0;
   double ssim = 0.0;
@@ -20,7 +20,7 @@ struct HeldOutScores {
   double raydrop_accuracy = 0.0;
   double chamfer_m = 0.0;
 };
-/// Calls field(key, value) for each, as JSON and Python have them.
+/// Calls field(key, value) for each score, with the keys of JSON and Python.
 template <class Scores, class Field>
 void visit_scores(Scores& s, Field&& field) {
   field("images", s.images);
@@ -35,21 +35,21 @@ void visit_scores(Scores& s, Field&& field) {
   field("chamfer_m", s.chamfer_m);
 }
 
-/// What it takes to make the scene again, and to know which frames it has not seen.
+/// The data needed to repeat a training and to determine its held-out frames.
 struct TrainingRecord {
   std::string log_name = {};
   std::string log_hash = {};  // io/log/log.hpp
   FrameSelection frames = {};
-  std::vector<SensorUse> sensors = {};            // what that made of each one's frames; empty: not told
-  std::vector<std::string> labels_left_out = {};  // actors of the log that it took for none
-  int iterations = 0;                             // done
-  int planned_iterations = 0;                     // that the learning rates were made for
-  std::string quality = {};                       // the bundle that render.* are; "custom": none
-  std::vector<std::string> settings = {};  // "key=value" of every option, as "simuli train --set" takes them
-  std::string version = {};                // of simuli
+  std::vector<SensorUse> sensors = {};            // use of each sensor's frames; empty: unknown
+  std::vector<std::string> labels_left_out = {};  // actors of the log that the training ignored
+  int iterations = 0;                             // completed
+  int planned_iterations = 0;                     // on which the learning rates were based
+  std::string quality = {};                       // level of the render.* settings; "custom": none
+  std::vector<std::string> settings = {};         // "key=value" of every option, as for "simuli train --set"
+  std::string version = {};                       // of simuli
   std::string device = {};
   std::string driver = {};
-  std::optional<HeldOutScores> held_out = {};  // none where none was held out, or it was not asked
+  std::optional<HeldOutScores> held_out = {};  // no value without held-out frames or evaluation
 };
 
 }  // namespace simuli

@@ -1,5 +1,5 @@
 #pragma once
-// Columns of clouds as bytes, for the formats that hold them.
+// Columns of clouds as bytes.
 #include <bit>
 #include <cstdint>
 #include <string>

@@ -39,7 +39,7 @@ std::string npz(const PointCloud& cloud, const std::string& file) {
   Npz arrays(file);
   const auto rows = static_cast<std::size_t>(cloud.values.rows());
   std::vector<std::size_t> xyz;
-  ColumnType type = ColumnType::kFloat;  // one for all three
+  ColumnType type = ColumnType::kFloat;  // the same for all three
   for (const char* name : {"x", "y", "z"}) {
     const auto found = std::find(cloud.columns.begin(), cloud.columns.end(), name);
     xyz.push_back(static_cast<std::size_t>(found - cloud.columns.begin()));

@@ -13,7 +13,7 @@ inline constexpr std::size_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
 inline constexpr std::uint32_t kJsonChunk = 0x4E4F534A, kBinaryChunk = 0x004E4942;  // "JSON", "BIN\0"
 
 inline constexpr int kByte = 5120, kUnsignedByte = 5121, kShort = 5122, kUnsignedShort = 5123, kFloat = 5126;
-inline constexpr int kPoints = 0;  // a primitive's mode
+inline constexpr int kPoints = 0;  // mode of a primitive
 
 inline constexpr char kSplatting[] = "KHR_gaussian_splatting";
 inline constexpr char kSpz[] = "KHR_gaussian_splatting_compression_spz_2";
@@ -25,7 +25,8 @@ inline constexpr char kRotation[] = "KHR_gaussian_splatting:ROTATION";  // x, y,
 inline constexpr char kScale[] = "KHR_gaussian_splatting:SCALE";
 inline constexpr char kOpacity[] = "KHR_gaussian_splatting:OPACITY";
 
-/// Of coefficient k in the order of our sets: degree after degree, from order -degree to degree.
+/// Returns the name of SH coefficient k in this project's order: by degree, then by order from -degree to
+/// degree.
 [[nodiscard]] inline std::string sh_name(int k) {
   int degree = 0;
   while ((degree + 1) * (degree + 1) <= k) ++degree;

@@ -11,7 +11,7 @@
 namespace simuli::glb {
 namespace {
 
-constexpr std::int64_t kMost = 0xffffffff;  // bytes and elements: the file has less
+constexpr std::int64_t kMost = 0xffffffff;  // limit of bytes and elements: a file is smaller
 
 std::size_t number_at(const std::string& bytes, std::size_t at) {
   std::size_t value = 0;
@@ -134,7 +134,7 @@ std::optional<Splats> splats_of(JsonObject& primitive) {
     extensions.object(kSplatting, [&](JsonObject& splatting) {
       splatting.ignore_other_keys();
       out->spz_view = spz_view_of(splatting);
-      // The draft of the compression leaves both out in its examples.
+      // The draft's examples of compressed splats omit both.
       if (!out->spz_view || splatting.has("kernel")) need_text(splatting, "kernel", kKernel);
       if (!out->spz_view || splatting.has("colorSpace")) need_text(splatting, "colorSpace", kColorSpace);
     });

@@ -1,5 +1,5 @@
 #pragma once
-// A binary glTF taken apart: what reading splats needs of its JSON, and its bytes.
+// A parsed binary glTF: the JSON parts required for splats, and the bytes.
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <map>
@@ -10,8 +10,8 @@
 namespace simuli::glb {
 
 struct Accessor {
-  std::optional<std::size_t> view = {};  // none: all zeros, or values from elsewhere
-  std::size_t offset = 0;                // in the view
+  std::optional<std::size_t> view = {};  // no value: all zeros, or values from elsewhere
+  std::size_t offset = 0;                // within the view
   std::size_t count = 0;
   int component_type = 0;
   std::string type = {};  // "VEC3"
@@ -19,13 +19,13 @@ struct Accessor {
 };
 
 struct View {
-  std::size_t offset = 0, length = 0;  // of the file's binary chunk
-  std::size_t stride = 0;              // 0: elements without gaps
+  std::size_t offset = 0, length = 0;  // in the file's binary chunk
+  std::size_t stride = 0;              // 0: contiguous elements
 };
 
 /// A primitive with splats.
 struct Splats {
-  std::map<std::string, std::size_t> attributes = {};  // accessors
+  std::map<std::string, std::size_t> attributes = {};  // indices of accessors
   std::optional<std::size_t> spz_view = {};
 };
 
@@ -35,22 +35,22 @@ struct Node {
   std::vector<std::size_t> children = {};
 };
 
-/// Indices are not checked against what they count, nor views against the bytes.
+/// Accessor indices are not checked against their counts, nor views against the bytes.
 struct Document {
   std::string file;    // for messages
-  std::string binary;  // empty: it has none
+  std::string binary;  // empty: no binary chunk
   std::vector<Accessor> accessors;
   std::vector<View> views;
-  std::vector<std::vector<Splats>> meshes;  // the primitives of each that are splats
+  std::vector<std::vector<Splats>> meshes;  // primitives with splats of each mesh
   std::vector<Node> nodes;
-  std::vector<std::size_t> roots;  // of the default scene
+  std::vector<std::size_t> roots;  // nodes of the default scene
 };
 
-/// Error{kInput} naming file and field for what is no binary glTF 2.0, and for what read_glb() refuses of its
-/// JSON.
+/// Throws Error{kInput} naming file and field for data that is not a binary glTF 2.0, and for JSON that
+/// read_glb() refuses.
 [[nodiscard]] Document read_document(const std::string& bytes, const std::string& file);
 
-/// An accessor of the document, a view ...: Error{kInput} where there are fewer.
+/// Returns an element (accessor, view, ...) by index. Throws Error{kInput} for an index out of range.
 template <class T>
 [[nodiscard]] const T& at(const std::vector<T>& all,
                           std::size_t index,

@@ -32,7 +32,7 @@ float component(const char* from, bool is_normalized) {
   }
 }
 
-/// What an attribute may be made of.
+/// Allowed component types of an attribute.
 enum Kinds : unsigned { kFloats = 1, kSigned = 2, kUnsigned = 4, kNotNormalized = 8 };
 
 struct ComponentType {
@@ -67,7 +67,7 @@ class Reader {
   }
 
   void visit(std::size_t index, const Eigen::Affine3d& scene_from_parent) {
-    // A stack of its own: files may nest as deep as they like.
+    // An explicit stack, because files may nest to any depth.
     std::vector<std::pair<std::size_t, Eigen::Affine3d>> open{{index, scene_from_parent}};
     while (!open.empty()) {
       const auto [at, scene_from_above] = open.back();
@@ -86,7 +86,7 @@ class Reader {
     }
   }
 
-  /// In our axes, where the node puts it.
+  /// Returns the set in this project's axes, transformed by the node.
   GaussianSet placed(GaussianSet set, const Eigen::Affine3d& scene_from_node) const {
     const Eigen::Matrix3d linear = scene_from_node.linear();
     const double scale = std::cbrt(linear.determinant());
@@ -113,7 +113,7 @@ class Reader {
     int degree = 0;
     while (degree < 3 && splats.attributes.contains(glb::sh_name(sh_coefficients(degree)))) ++degree;
     const std::size_t count = accessor_of(splats, glb::kPosition).count;
-    // Each particle has its bytes in this file: nothing is allocated for those that a number alone tells of.
+    // Each particle needs bytes in the file; a claimed number alone allocates nothing.
     if (count > document_.binary.size())
       refuse("accessors", fmt::format("{} particles", count), "fewer bytes");
     GaussianSet set(SetKind::kCamera, degree, static_cast<Eigen::Index>(count));
@@ -185,7 +185,7 @@ class Reader {
     }
   }
 
-  /// A view and `bytes` of it.
+  /// Checks that `bytes` bytes of a view exist.
   void need_inside(const glb::View& view, const std::string& field, std::size_t bytes) const {
     if (view.offset <= document_.binary.size() && view.length <= document_.binary.size() - view.offset &&
         bytes <= view.length) {
@@ -196,7 +196,7 @@ class Reader {
            fmt::format("within the {} of this file", document_.binary.size()));
   }
 
-  /// The same bytes can be told of any number of times: a small file is no reason for much memory.
+  /// Bounds the total memory: many primitives of a small file can refer to the same bytes.
   void take(std::size_t bytes) {
     constexpr std::size_t kTimes = 4;
     taken_ += bytes;

@@ -23,12 +23,12 @@ void append_float(std::string& to, float value) {
   append_little_endian(to, std::bit_cast<std::uint32_t>(value), 4);
 }
 
-/// The one mesh of a file as it grows: what its attributes are, and their bytes.
+/// The mesh of a file: its attributes and their bytes.
 class Mesh {
  public:
   explicit Mesh(const GaussianSet& set) : set_(set) {}
 
-  /// `value(particle, component)` in floats.
+  /// Adds an attribute of floats `value(particle, component)`.
   template <class Value>
   void add_floats(const std::string& name, int components, Value&& value) {
     begin(name, glb::kFloat, components, false);
@@ -37,7 +37,7 @@ class Mesh {
     }
     end();
   }
-  /// For viewers that know no splats: colours as light, not as a picture has them, and opacity.
+  /// Adds linear colours and opacity for viewers without splat support.
   void add_colors() {
     begin(glb::kColor, glb::kUnsignedByte, 4, true);
     const auto byte = [](float x) { return static_cast<std::uint64_t>(std::lround(255.0F * x)); };
@@ -49,17 +49,17 @@ class Mesh {
     }
     end();
   }
-  /// An attribute whose values come from elsewhere.
+  /// Declares an attribute whose values are stored elsewhere.
   void declare(const std::string& name, int component_type, int components) {
     begin(name, component_type, components, component_type != glb::kFloat);
   }
-  /// Bytes that are of no attribute; which buffer view they are.
+  /// Appends bytes without an attribute; returns the index of their buffer view.
   std::size_t add_bytes(const std::string& bytes) {
     start_ = binary_.size();
     binary_ += bytes;
     return finish_view();
   }
-  /// Bounds of the attribute that was added last.
+  /// Sets the bounds of the last added attribute.
   void bound(const Eigen::RowVector3f& least, const Eigen::RowVector3f& most) {
     Json& accessor = accessors_.back();
     for (int c = 0; c < 3; ++c) {
@@ -113,7 +113,7 @@ void add_attributes(Mesh& mesh, const GaussianSet& set) {
   }
 }
 
-/// The attributes that the draft takes from SPZ: colour and opacity together, and no degree 0.
+/// Adds the attributes of the draft's SPZ data: colour and opacity together, without degree 0.
 std::size_t add_spz(Mesh& mesh, const GaussianSet& set, const std::string& file) {
   mesh.declare(glb::kPosition, glb::kFloat, 3);
   bound_positions(mesh, set);

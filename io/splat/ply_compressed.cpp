@@ -17,7 +17,7 @@
 namespace simuli {
 namespace {
 
-constexpr std::size_t kChunk = 256;  // particles that share bounds
+constexpr std::size_t kChunk = 256;  // particles per chunk, which share bounds
 constexpr std::size_t kMaxCompressedHeaderBytes = std::size_t{1} << 16U;
 constexpr std::array<std::string_view, 12> kBounds{"min_x",
                                                    "min_y",
@@ -41,7 +41,7 @@ struct Element {
   std::vector<std::string> properties;  // "float min_x"
 };
 
-/// The elements of the header; `body` is where the data start.
+/// Returns the elements of the header; `body` is the offset of the data.
 std::vector<Element> parse_elements(const std::string& bytes, const std::string& file, std::size_t& body) {
   std::vector<Element> elements;
   const std::string_view head = std::string_view(bytes).substr(0, kMaxCompressedHeaderBytes);
@@ -160,7 +160,7 @@ float share(std::uint32_t word, unsigned shift, unsigned bits) {
   return static_cast<float>(word >> shift & most) / static_cast<float>(most);
 }
 
-/// Three numbers of 11, 10 and 11 bits between the chunk's bounds at `first` and three behind.
+/// Unpacks three numbers of 11, 10 and 11 bits between the chunk's bounds at `first` and three values later.
 std::array<float, 3> unpack(std::uint32_t word, const char* chunk, std::size_t first) {
   const std::array<float, 3> t{share(word, 21, 11), share(word, 11, 10), share(word, 0, 11)};
   std::array<float, 3> out{};
@@ -171,7 +171,7 @@ std::array<float, 3> unpack(std::uint32_t word, const char* chunk, std::size_t f
   return out;
 }
 
-/// w, x, y, z; the largest is left out and positive.
+/// Returns w, x, y, z; the largest component is omitted in the file and positive.
 std::array<float, 4> unpack_rotation(std::uint32_t word) {
   const std::size_t largest = word >> 30U;
   std::array<float, 4> q{};
@@ -225,7 +225,7 @@ GaussianSet read_compressed_ply(const std::string& bytes, const std::string& fil
       set.params(row, kShRow + k) = (value - 0.5F) / kSh0;
     }
     for (std::size_t i = 0; i < 4; ++i) set.params(row, kRotationRow + static_cast<int>(i)) = rotation[i];
-    // Steps of 1/255; the ends are as far as half a step from 0 and 1.
+    // Steps of 1/255; the ends are half a step away from 0 and 1.
     const float opacity = std::clamp(share(color, 0, 8), 0.5F / 255.0F, 254.5F / 255.0F);
     set.params(row, kOpacityRow) = std::log(opacity / (1.0F - opacity));
     for (int k = 0; k < 3 * higher; ++k) {

@@ -13,7 +13,7 @@
 namespace simuli {
 namespace {
 
-/// No header of the standard layout has more than some 4 kB; this bounds the search in a foreign file.
+/// Headers of the standard layout have at most about 4 kB; this bounds the search in other files.
 constexpr std::size_t kMaxHeaderBytes = std::size_t{1} << 20U;
 
 constexpr std::array<std::pair<std::string_view, PlyType>, 16> kTypeNames{{
@@ -46,7 +46,7 @@ std::vector<std::string_view> split(std::string_view line) {
   return words;
 }
 
-/// What stands in a file may be anything: it is shortened, and bytes that would break the line are masked.
+/// Quotes file content for a message: shortened, and without bytes that would break the line.
 std::string in_quotes(std::string_view text) {
   std::string out(text.substr(0, 80));
   for (char& c : out) {
@@ -138,7 +138,7 @@ class HeaderParser {
 
   void parse_property(const std::vector<std::string_view>& words) {
     if (!has_element_) refuse("property", in_quotes(line_), "an element before it");
-    if (header_.other_elements) return;  // of an element behind the vertices, which nobody reads
+    if (header_.other_elements) return;  // of an element after the vertices, which is ignored
     if (words.size() != 3) refuse("property", in_quotes(line_), "\"property TYPE NAME\" with a scalar type");
     const auto* known = std::find_if(
         kTypeNames.begin(), kTypeNames.end(), [&](const auto& entry) { return entry.first == words[1]; });
@@ -152,22 +152,22 @@ class HeaderParser {
     header_.vertex_bytes += ply_size(known->second);
   }
 
-  /// A property of an element in front of the vertices.
+  /// Handles a property of an element before the vertices.
   void skip(std::uint64_t bytes) {
-    // No more than the file holds: sums stay far below 2^64.
+    // At most the file's size, so that sums stay far below 2^64.
     if (count_ > bytes_.size()) refuse("element", fmt::format("{}", count_), "as many as the file holds");
     header_.bytes_in_front += count_ * bytes;
     header_.values_in_front += count_;
   }
 
-  /// Before anything is allocated for the vertices: the file must be able to hold as many as it declares.
+  /// Checks before allocation that the file can contain the declared vertices.
   void check_size() {
     if (header_.properties.empty()) refuse("element vertex", "no property", "at least one");
     const bool ascii = header_.format == PlyFormat::kAscii;
     const std::uint64_t all = bytes_.size() - header_.body;
     const std::uint64_t in_front = ascii ? 2 * header_.values_in_front : header_.bytes_in_front;
     const std::uint64_t left = all - std::min(in_front, all);
-    // A value of an ascii file takes a digit and a separator, the last one perhaps only the digit.
+    // A value of an ascii file has at least a digit and a separator, the last one only a digit.
     const std::size_t vertex_bytes = ascii ? 2 * header_.properties.size() : header_.vertex_bytes;
     const std::uint64_t fits = (left + (ascii ? 1 : 0)) / vertex_bytes;
     if (header_.vertices > fits) {
@@ -191,7 +191,7 @@ class HeaderParser {
   std::size_t line_number_ = 0;
   std::string_view line_;
   bool in_vertex_ = false, has_vertex_ = false, has_element_ = false;
-  std::uint64_t count_ = 0;  // of the element whose properties are told
+  std::uint64_t count_ = 0;  // of the current element
 };
 
 }  // namespace

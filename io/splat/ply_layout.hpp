@@ -1,5 +1,5 @@
 #pragma once
-// Names that PLY reader and writer of Gaussians share. Included by io/ply_*.cpp alone.
+// Names that reader and writer of Gaussian PLY files share, for io/splat/ply_*.cpp.
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,17 +8,17 @@
 
 namespace simuli {
 
-/// Comment of the header that says what the three channels of a set are.
+/// Returns the header comment that names the three channels of a set.
 [[nodiscard]] inline std::string ply_channels_comment(SetKind kind) {
   return kind == SetKind::kLidar ? "simuli channels intensity hit_logit drop_logit"
                                  : "simuli channels red green blue";
 }
 
-/// Property of a set that has actors: GaussianSet::actor.
+/// Property of sets with actors: GaussianSet::actor.
 inline constexpr const char* kPlyActor = "actor";
 
-/// Property names of a set in the standard order (without normals) with their columns in
-/// GaussianSet::params. f_rest is channel-major: all higher coefficients of the first channel come first.
+/// Returns the property names of a set in the standard order (without normals) with their columns in
+/// GaussianSet::params. f_rest is channel-major: all higher coefficients of the first channel are first.
 [[nodiscard]] inline std::vector<std::pair<std::string, int>> ply_gaussian_columns(int sh_degree) {
   std::vector<std::pair<std::string, int>> columns{{"x", kMeanRow}, {"y", kMeanRow + 1}, {"z", kMeanRow + 2}};
   for (int c = 0; c < 3; ++c) columns.emplace_back("f_dc_" + std::to_string(c), kShRow + c);

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kMaxFileBytes = std::size_t{16} << 30U;
 
-/// One column of GaussianSet::params (kActorColumn: GaussianSet::actor) and the property that fills it.
+/// One column of GaussianSet::params (kActorColumn: GaussianSet::actor) and its property.
 struct Source {
   std::size_t property;
   int column;
@@ -37,7 +37,7 @@ constexpr int kActorColumn = -2;
   throw_input_error(file, fmt::format("vertex {}: {}", vertex, property), found, allowed);
 }
 
-/// SH degree from the count of f_rest properties, of which none may be missing in between.
+/// Returns the SH degree from the number of f_rest properties, which must be contiguous.
 int find_sh_degree(const PlyHeader& header, const std::string& file) {
   const auto count = std::count_if(header.properties.begin(), header.properties.end(), [](const auto& p) {
     return p.name.starts_with("f_rest_");
@@ -104,7 +104,7 @@ double decode(PlyType type, const char* at, bool swap) {
   throw Error(ErrorKind::kInternal, "PLY type without a decoder");
 }
 
-/// Every value of a float is kept bit by bit on the way through double; what is beyond becomes Inf.
+/// Converts back to float; floats read as double are exact, larger values become Inf.
 float to_float(double value) {
   if (std::isfinite(value) && std::abs(value) > static_cast<double>(std::numeric_limits<float>::max())) {
     return std::copysign(std::numeric_limits<float>::infinity(),
@@ -146,7 +146,7 @@ void read_binary(const std::string& bytes,
   }
 }
 
-/// Words of an ascii body. std::from_chars knows no locale: a decimal comma never creeps in.
+/// Values of an ascii body. std::from_chars is independent of the locale.
 class AsciiValues {
  public:
   AsciiValues(std::string_view text, const std::string& file) : text_(text), file_(file) {}
@@ -163,7 +163,7 @@ class AsciiValues {
     if (stop != word.data() + word.size() || error == std::errc::invalid_argument) {
       refuse_value(file_, property, vertex, "a word that is no number", "a number");
     }
-    // Beyond double: too far out, or too near to 0 to tell.
+    // Outside of double's range: too large, or too small to represent.
     if (error == std::errc::result_out_of_range) {
       return word.find("e-") == std::string_view::npos && word.find("E-") == std::string_view::npos
                  ? std::numeric_limits<double>::infinity()
@@ -210,7 +210,7 @@ void read_ascii(const std::string& bytes,
   }
 }
 
-/// The body, as its format says.
+/// Reads the body in its format.
 void read_body(const std::string& bytes,
                const PlyHeader& header,
                const std::vector<Source>& sources,
@@ -223,7 +223,7 @@ void read_body(const std::string& bytes,
   }
 }
 
-/// Mip-Splatting writes the width of its 3D filter beside its particles: they are as wide as both, and fainter.
+/// Applies Mip-Splatting's 3D filter, whose width is stored with the particles: it widens and dims them.
 void apply_filter(const std::string& bytes,
                   const PlyHeader& header,
                   const std::string& file,

@@ -35,8 +35,8 @@ std::string header(Eigen::Index count,
   return text + "end_header\n";
 }
 
-/// Writes `count` rows; append_row(text, row) adds the bytes of one. Some megabytes at a time, so that a set
-/// of millions never stands in memory twice.
+/// Writes `count` rows; append_row(text, row) appends the bytes of one row. Writes blocks of some megabytes, so
+/// that large sets are not duplicated in memory.
 template <class AppendRow>
 void write_rows(const std::filesystem::path& file,
                 const std::string& head,
@@ -117,7 +117,7 @@ void write_gaussians_ply(const std::filesystem::path& file, const GaussianSet& s
     for (const auto& [name, column] : columns) {
       append_little_endian(to, set.params(v, column));
       if (column != kMeanRow + 2) continue;
-      for (int i = 0; i < 3; ++i) append_little_endian(to, 0.0F);  // normals: other tools expect them
+      for (int i = 0; i < 3; ++i) append_little_endian(to, 0.0F);  // normals, which other programs expect
     }
     if (!set.actor.empty()) append_little_endian(to, set.actor[static_cast<std::size_t>(v)]);
   });

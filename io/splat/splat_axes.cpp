@@ -14,7 +14,7 @@ Eigen::Quaterniond level_from(SplatAxes axes) {
   switch (axes) {
     case SplatAxes::kYDown:
       return kForwardFromCamera;
-    case SplatAxes::kYUp:  // half a turn about x in front
+    case SplatAxes::kYUp:  // a rotation by 180 degrees about x first
       return kForwardFromCamera * Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
     case SplatAxes::kZUp:
       break;
@@ -31,7 +31,7 @@ GaussianSet turned(const GaussianSet& set, const Eigen::Quaterniond& b_from_a) {
 float opacity_of(float logit) { return 1.0F / (1.0F + std::exp(-logit)); }
 
 float logit_of(float opacity) {
-  constexpr float kLeast = 0x1p-24F;  // the distance of 1 from the float below it
+  constexpr float kLeast = 0x1p-24F;  // distance from 1 to the next lower float
   const float share = std::clamp(opacity, kLeast, 1.0F - kLeast);
   return std::log(share / (1.0F - share));
 }

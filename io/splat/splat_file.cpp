@@ -37,7 +37,7 @@ GaussianSet read_splats(std::string bytes, const std::filesystem::path& file, Sp
   GaussianSet set = extension == ".spz"   ? read_spz(std::move(bytes), name, report)
                     : extension == ".glb" ? read_glb(bytes, name, report)
                                           : parse_gaussians_ply(bytes, SetKind::kCamera, name);
-  // Others write 0 and 1 as logits without an end; here they are as far away as in 8 bits.
+  // Other programs write infinite logits for 0 and 1; they are clamped to the 8-bit limit.
   const float most = std::log(254.5F / 0.5F);
   for (float& opacity : set.opacity_logit()) {
     if (std::isinf(opacity)) opacity = std::copysign(most, opacity);

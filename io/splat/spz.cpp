@@ -22,14 +22,15 @@
 namespace simuli {
 namespace {
 
-// Layout after the format's published reference (Niantic, MIT). All numbers little endian.
+// Layout of the format's published reference (Niantic, MIT). All numbers are little endian.
 constexpr std::string_view kMagic = "NGSP";
-constexpr std::size_t kHeaderBytes = 16;    // of versions 1 to 3
-constexpr std::size_t kHeaderBytesV4 = 32;  // then a table of contents, then a Zstandard frame per stream
+constexpr std::size_t kHeaderBytes = 16;  // of versions 1 to 3
+constexpr std::size_t kHeaderBytesV4 =
+    32;  // followed by a table of contents and a Zstandard frame per stream
 constexpr std::size_t kMaxBytes = std::size_t{8} << 30U;
 constexpr double kColorScale = 0.15;
 constexpr float kSqrtHalf = 0.70710678F;
-constexpr float kLargestMagnitude = 511.0F;  // of a 9 bit component
+constexpr float kLargestMagnitude = 511.0F;  // of a 9-bit component
 
 struct Header {
   std::uint32_t version = 0;
@@ -39,7 +40,7 @@ struct Header {
   bool is_antialiased = false;
 };
 
-/// The streams in the order of the file, each with all points.
+/// The streams in file order, each with all points.
 struct Streams {
   std::array<const std::uint8_t*, 6> at{};  // positions, alphas, colours, scales, rotations, SH
 };
@@ -80,7 +81,7 @@ Header parse_header(const std::string& bytes, const std::string& file) {
   return h;
 }
 
-/// Version 4: every stream by itself. The result is laid out as in version 3.
+/// Decompresses the streams of version 4. The result has the layout of version 3.
 std::string unpack_v4(const std::string& bytes, const Header& h, const std::string& file) {
   if (bytes.size() < kHeaderBytesV4) throw_input_error(file, "header", "cut short", "32 bytes");
   const std::size_t streams = static_cast<std::uint8_t>(bytes[15]);
@@ -127,7 +128,7 @@ float position(const std::uint8_t* stream, std::size_t index, const Header& h) {
   return std::ldexp(static_cast<float>(std::bit_cast<std::int32_t>(high) / 256), -h.fractional_bits);
 }
 
-/// w, x, y, z. The files say x, y, z, w.
+/// Returns w, x, y, z; the file's order is x, y, z, w.
 std::array<float, 4> rotation(const std::uint8_t* stream, std::size_t point, std::uint32_t version) {
   std::array<float, 4> xyzw{};
   float rest = 1.0F;
@@ -153,8 +154,8 @@ std::array<float, 4> rotation(const std::uint8_t* stream, std::size_t point, std
   return {xyzw[3], xyzw[0], xyzw[1], xyzw[2]};
 }
 
-/// Signs of y and z, of rotations about them, and of SH coefficients odd in one of the two: the half turn
-/// about x that leads from SPZ's axes to PLY's, and back.
+/// Rotates by 180 degrees about x between the axes of SPZ and PLY: changes the signs of y and z, of rotations
+/// about them, and of SH coefficients that are odd in one of the two.
 void turn(GaussianSet& set) {
   constexpr std::array<int, 8> kOdd{1, 2, 4, 7, 9, 11, 12, 14};  // y, z, xy, xz, y(..), y(..), z(..), z(..)
   for (const int i : {1, 2}) {
@@ -167,7 +168,7 @@ void turn(GaussianSet& set) {
 }
 
 float opacity_logit(std::uint8_t alpha) {
-  // 0 and 255 are as far as half a step from the ends.
+  // 0 and 255 become values half a step from the ends.
   const float share = std::clamp(static_cast<float>(alpha) / 255.0F, 0.5F / 255.0F, 254.5F / 255.0F);
   return std::log(share / (1.0F - share));
 }
@@ -210,14 +211,15 @@ std::uint32_t pack_rotation(const Eigen::Vector4f& wxyz) {
   auto bits = static_cast<std::uint32_t>(largest);
   for (std::size_t i = 0; i < 4; ++i) {
     if (i == largest) continue;
-    const bool negative = (q[i] < 0.0F) != (q[largest] < 0.0F);  // the largest is positive in the file
+    // the largest component is positive in the file
+    const bool negative = (q[i] < 0.0F) != (q[largest] < 0.0F);
     const long magnitude = std::lround(kLargestMagnitude * std::min(std::abs(q[i]) / kSqrtHalf, 1.0F));
     bits = bits << 10U | (negative ? 512U : 0U) | static_cast<std::uint32_t>(magnitude);
   }
   return bits;
 }
 
-/// As many fractional bits, up to the usual 12, as leave room for the farthest mean.
+/// Returns the number of fractional bits, at most the usual 12, that leaves room for the farthest mean.
 int fractional_bits_of(const GaussianSet& set, const std::string& file) {
   const float farthest = set.size() > 0 ? set.mean().cwiseAbs().maxCoeff() : 0.0F;
   constexpr int kUsual = 12, kFewest = 4;
@@ -251,7 +253,7 @@ GaussianSet set_of_spz(std::string bytes, const std::string& file, SplatReport* 
                       fmt::format("{}", header.points),
                       fmt::format("as many as {} bytes hold", bytes.size()));
   };
-  // A million splats that differ in one coordinate alone pack 44 to 1: what says more would only take memory.
+  // A million splats that differ in one coordinate compress 44 to 1; larger claims would only allocate memory.
   constexpr std::size_t kMostOfByte = 128, kBeside = std::size_t{1} << 20U;
   const std::size_t held = std::accumulate(sizes.begin(), sizes.end(), kBeside);
   need_room(held, std::min(kMostOfByte * bytes.size() + kBeside, kMaxBytes));

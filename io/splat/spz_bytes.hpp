@@ -1,16 +1,16 @@
 #pragma once
-// SPZ without a file around it, in whatever axes: as other formats carry it.
+// SPZ data without a file and without a conversion of axes, for other formats that contain it.
 #include <string>
 
 #include "io/splat/splat_file.hpp"
 
 namespace simuli {
 
-/// As read_spz(), but nothing is turned.
+/// read_spz() without a rotation.
 [[nodiscard]] GaussianSet set_of_spz(std::string bytes,
                                      const std::string& file,
                                      SplatReport* report = nullptr);
-/// As write_spz() writes it, but nothing is turned.
+/// write_spz() to bytes, without a rotation.
 [[nodiscard]] std::string spz_of(const GaussianSet& set, const std::string& file);
 
 }  // namespace simuli

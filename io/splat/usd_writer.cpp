@@ -10,8 +10,8 @@
 namespace simuli {
 namespace {
 
-/// Lines of an array of `count` elements, each of `components` numbers: the fewest digits that read as the
-/// same float.
+/// Returns the lines of an array of `count` elements with `components` numbers each, in the shortest decimal
+/// form that reads as the same float.
 template <class Value>
 void append_array(
     std::string& to, const char* declaration, Eigen::Index count, int components, Value&& value) {
@@ -29,7 +29,8 @@ void append_array(
   to += ']';
 }
 
-/// Corners of the box around all particles, three standard deviations of the longest axis far.
+/// Returns the corners of the box around all particles, extended by three standard deviations of the longest
+/// axis.
 Eigen::Matrix<float, 2, 3> extent_of_splats(const GaussianSet& set) {
   Eigen::Matrix<float, 2, 3> corners = Eigen::Matrix<float, 2, 3>::Zero();
   if (set.size() == 0) return corners;
@@ -44,7 +45,7 @@ Eigen::Matrix<float, 2, 3> extent_of_splats(const GaussianSet& set) {
 std::string usda_of(const GaussianSet& own, SplatAxes axes, const std::string& file) {
   need_camera_set(own, file);
   const bool is_z_up = axes == SplatAxes::kZUp;
-  // Y up has x right and z backward, as USD's cameras look.
+  // Y up has x right and z backward, as USD's cameras.
   const GaussianSet set =
       is_z_up ? own : turned(own, level_from(SplatAxes::kYUp).conjugate() * level_from(axes));
   const Eigen::Index count = set.size();

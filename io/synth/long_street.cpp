@@ -16,15 +16,14 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
 constexpr double kPiece_m = LongStreet::kPiece_m;
-constexpr int kStraightAtEnds = 7;  // pieces: more than kMargin_m
+constexpr int kStraightAtEnds = 7;  // pieces; longer than kMargin_m
 constexpr double kDegree_rad = std::numbers::pi / 180.0;
 constexpr double kFar_m = 1e4;
-/// A ray that starts farther beside the street is none of a sensor's. Bends are wider.
+/// Rays that start farther beside the street are not a sensor's. Radii of bends are larger.
 constexpr double kBeside_m = 100.0;
 constexpr double kCrossingHalfWidth_m = 5.0;
 
-/// The turn from a piece to the next: about the vertical in bends, about the lateral axis on hills, never
-/// both.
+/// Rotation from a piece to the next: about the vertical in bends, about the lateral axis on hills, never both.
 struct Joint {
   double yaw_rad = 0.0;
   double pitch_rad = 0.0;  // positive: downhill
@@ -35,8 +34,8 @@ struct Plan {
   std::vector<bool> are_crossings;  // by piece
 };
 
-/// Straights, and between them in turns a bend, a crossing and a hill. Bends lead back before the street has
-/// turned so far that it could meet itself.
+/// Plans straight pieces, and between them alternately a bend, a crossing and a hill. Bends turn back before
+/// the street could intersect itself.
 Plan plan_street(std::size_t pieces, std::uint64_t seed) {
   Plan plan{std::vector<Joint>(pieces), std::vector<bool>(pieces, false)};
   StreetDice dice(seed ^ 0x5851f42d4c957f2dULL);
@@ -71,7 +70,7 @@ std::vector<StreetSolid> solids_of(
   std::vector<StreetSolid> solids;
   StreetDice dice(seed + 0x9e3779b97f4a7c15ULL * (k + 1));
   const double from = kPiece_m * static_cast<double>(k), to = from + kPiece_m, middle = 0.5 * (from + to);
-  constexpr double kOverlap_m = 4.0;  // across the planes between pieces, which cut it
+  constexpr double kOverlap_m = 4.0;  // across the planes between pieces, which cut the solids
   solids.push_back(street_box(
       StreetMaterial::kAsphalt, {-kFar_m, -kFar_m, -1.0}, {kFar_m, kFar_m, 0.0}, {0.33, 0.33, 0.34}, 0.16));
   solids.back().centre.setZero();
@@ -97,7 +96,7 @@ std::vector<StreetSolid> solids_of(
         solids[i].high.x() = std::min(solids[i].high.x(), high);
       }
     }
-    if (is_crossing) {  // the side street ends at a house
+    if (is_crossing) {  // a house ends the side street
       const double y = side * 58.0;
       solids.push_back(street_box(StreetMaterial::kFacade,
                                   {middle - 14.0, std::min(y, y + side * 10.0), 0.0},
@@ -117,8 +116,8 @@ std::vector<StreetSolid> solids_of(
   return solids;
 }
 
-/// Entry of the ray into what of a box lies behind `start`: where it is inside already, that is the plane
-/// itself.
+/// Intersects the ray with the part of a box beyond `start`; if the start is inside, the intersection is the
+/// cutting plane.
 bool meet_cut_box(const StreetSolid& solid,
                   const Vector3d& origin,
                   const Vector3d& direction,
@@ -141,7 +140,7 @@ bool meet_cut_box(const StreetSolid& solid,
     leave = std::min(leave, std::max(a, b));
     if (!(enter < leave)) return false;
   }
-  if (axis < 0 && start_normal.isZero(0.0)) return false;  // a ray from inside meets nothing
+  if (axis < 0 && start_normal.isZero(0.0)) return false;  // a ray that starts inside does not intersect
   nearest.range = enter;
   nearest.normal = start_normal;
   if (axis >= 0) nearest.normal = (direction[axis] > 0.0 ? -1.0 : 1.0) * Vector3d::Unit(axis);
@@ -151,16 +150,16 @@ bool meet_cut_box(const StreetSolid& solid,
 }  // namespace
 
 struct LongStreet::State {
-  /// Ahead of piece k: where it ends.
+  /// The plane at the end of piece k.
   struct Plane {
     Vector3d point = Vector3d::Zero();
     Vector3d normal = Vector3d::UnitX();  // towards the next piece
     [[nodiscard]] double side(const Vector3d& p) const { return (p - point).dot(normal); }
   };
-  /// Its frame's x is s.
+  /// The x axis of its frame is s.
   struct Piece {
     Pose world_from_piece;
-    Vector3d start = Vector3d::Zero();  // its middle's, world
+    Vector3d start = Vector3d::Zero();  // centre, world
     bool is_crossing = false;
     mutable std::mutex making;
     mutable std::atomic<const std::vector<StreetSolid>*> solids = nullptr;
@@ -170,7 +169,7 @@ struct LongStreet::State {
   std::uint64_t seed = 0;
   double first_s_m = 0.0;  // of piece 0
   std::vector<std::unique_ptr<Piece>> pieces;
-  std::vector<Plane> planes;  // planes[k]: between pieces k and k + 1; none behind the last
+  std::vector<Plane> planes;  // planes[k]: between pieces k and k + 1; none after the last
   std::vector<Joint> joints;
   std::vector<Actor> cars;
   std::vector<StreetSolid> car;
@@ -192,7 +191,7 @@ struct LongStreet::State {
     return std::abs((p - pieces[k]->start).dot(left)) < kBeside_m &&
            (p - pieces[k]->start).norm() < 3.0 * kBeside_m;
   }
-  /// pieces.size() where the point is far from the street.
+  /// Returns the piece that contains the point; pieces.size() far from the street.
   [[nodiscard]] std::size_t piece_at(const Vector3d& p) const {
     thread_local std::size_t last = 0;  // rays of a sensor start close together
     if (last < pieces.size() && holds(last, p)) return last;
@@ -202,7 +201,8 @@ struct LongStreet::State {
     return pieces.size();
   }
 
-  /// What stands still, nearest first by pieces. `normal` in the world; `met_in` is the piece.
+  /// Returns the first static solid along the ray, piece by piece. `normal` in world coordinates; `met_in` is
+  /// its piece.
   const StreetSolid* meet_standing(const Vector3d& origin,
                                    const Vector3d& direction,
                                    std::size_t k,
@@ -303,7 +303,7 @@ Pose LongStreet::world_from_street(double s_m, double left_m) const {
   const double at = (s_m - s.first_s_m) / kPiece_m;
   const auto last = static_cast<double>(s.pieces.size() - 1);
   const auto k = static_cast<std::size_t>(std::clamp(std::floor(at), 0.0, last));
-  // From the middle of a piece to the middle of the next one: a parabola, whose direction turns evenly.
+  // A parabola from the centre of a piece to the centre of the next one; its direction changes uniformly.
   const double in_piece = at - static_cast<double>(k);
   const bool is_behind = in_piece >= 0.5;
   const std::size_t low = is_behind ? k : (k > 0 ? k - 1 : 0);
@@ -316,7 +316,7 @@ Pose LongStreet::world_from_street(double s_m, double left_m) const {
     pose = {piece.world_from_piece.rotation,
             piece.start + piece.world_from_piece.rotation * Vector3d(in_piece * kPiece_m, 0.0, 0.0)};
   } else {
-    const double u = is_behind ? in_piece - 0.5 : in_piece + 0.5;  // of the way between the middles
+    const double u = is_behind ? in_piece - 0.5 : in_piece + 0.5;  // fraction of the way between the centres
     const Vector3d& joint = s.pieces[high]->start;
     const Vector3d from = joint - before * Vector3d(0.5 * kPiece_m, 0.0, 0.0);
     const Vector3d to = joint + behind * Vector3d(0.5 * kPiece_m, 0.0, 0.0);
@@ -324,7 +324,7 @@ Pose LongStreet::world_from_street(double s_m, double left_m) const {
     pose.translation = (1.0 - u) * (1.0 - u) * from + 2.0 * u * (1.0 - u) * joint + u * u * to;
   }
   pose.translation += pose.rotation * Vector3d(0.0, left_m, 0.0);
-  // On the road: over a hill's edge the parabola cuts the corner.
+  // Projects to the road: on a hilltop the parabola cuts the corner.
   const std::size_t on = s.piece_at(pose.translation);
   if (on < s.pieces.size()) {
     const Vector3d up = s.pieces[on]->world_from_piece.rotation * Vector3d::UnitZ();
@@ -349,7 +349,7 @@ StreetHit LongStreet::trace(const Vector3d& origin,
   Pose own_from_world = met == nullptr ? Pose{} : s.pieces[in]->world_from_piece.inverse();
   for (const Actor& car : s.cars) {
     if (!car.is_there(time_s)) continue;
-    // Where it is roughly: it drives on less than its own length between two keys.
+    // Approximate position: between two keys a car drives less than its length.
     const KeyShare share = car.key_share(time_s);
     const Vector3d to = car.track[share.key].world_from_actor.translation - origin;
     constexpr double kReach_m = 10.0;
@@ -357,7 +357,7 @@ StreetHit LongStreet::trace(const Vector3d& origin,
     if (ahead < -kReach_m || ahead > nearest.range + kReach_m) continue;
     if (to.squaredNorm() - ahead * ahead > kReach_m * kReach_m) continue;
     Pose car_from_world = car.at(time_s).inverse();
-    car_from_world.translation.z() += 0.5 * kCarHeight_m;  // a track is of the box's middle
+    car_from_world.translation.z() += 0.5 * kCarHeight_m;  // tracks are those of the box's centre
     const Vector3d from = car_from_world * origin, along = car_from_world.rotation * direction;
     StreetCrossing on_car{nearest.range, Vector3d::Zero()};
     for (const StreetSolid& solid : s.car) {

@@ -1,4 +1,4 @@
-// The long street seen by the rig's sensors, written as a log folder.
+// The long street as seen by the rig's sensors, written as a log folder.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 
 constexpr double kFastest_m_per_s = 50.0;
 
-/// Of the rig: it has driven the length when the last sweep ends.
+/// Returns the rig's speed, such that it has driven the length at the end of the last sweep.
 double speed_of(const LongStreetOptions& o) { return o.length_m / (kStreetFramePeriod_s * o.frames); }
 
 void check_long_options(const LongStreetOptions& o) {
@@ -72,7 +72,7 @@ std::vector<LogLidar> lidars_of(const LongStreetOptions& o) {
   return lidars;
 }
 
-/// Where the rig is at a time, on its lane.
+/// Returns the rig's pose on its lane at a time.
 Pose rig_on(const LongStreet& street, const LongStreetOptions& o, double time_s) {
   const double driven_m = speed_of(o) * time_s;
   const Pose sway = street_sway(driven_m);
@@ -80,8 +80,7 @@ Pose rig_on(const LongStreet& street, const LongStreetOptions& o, double time_s)
   return {(road.rotation * sway.rotation).normalized(), road.translation};
 }
 
-/// A car that drives from `start_m` at time 0 on, while it is on the street. `lane_m` above 0: against the
-/// rig.
+/// Returns a car that drives from `start_m` at time 0 while it is on the street. Positive `lane_m`: oncoming.
 Actor car_on(const LongStreet& street,
              const std::string& name,
              double start_m,
@@ -110,7 +109,7 @@ Actor car_on(const LongStreet& street,
   return car;
 }
 
-/// Some ahead in the rig's lane, none slower than it; and one after the other against it.
+/// Returns cars ahead in the rig's lane, which are not slower than the rig, and oncoming cars.
 std::vector<Actor> traffic_on(const LongStreet& street, const LongStreetOptions& o) {
   std::vector<Actor> cars;
   if (!o.traffic) return cars;
@@ -128,7 +127,7 @@ std::vector<Actor> traffic_on(const LongStreet& street, const LongStreetOptions&
     ahead_m += dice.between(22.0, 40.0);
     ahead_speed += dice.between(0.0, 0.04) * speed;
   }
-  // All as fast as each other: they meet the rig all along, and never each other.
+  // Equal speeds, so that the rig meets oncoming cars throughout and they never collide.
   const double oncoming = dice.between(0.5, 0.9) * std::max(speed, 1.0);
   const double farthest_m = o.length_m + LongStreet::kMargin_m + oncoming * end_s;
   for (double start_m = 45.0; start_m < farthest_m; start_m += dice.between(60.0, 140.0)) {

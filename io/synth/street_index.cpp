@@ -1,4 +1,4 @@
-// The tree of boxes that rays go through streets of many solids by.
+// Bounding-box tree for rays in streets with many solids.
 #include <algorithm>
 #include <array>
 
@@ -10,10 +10,10 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::uint32_t kInLeaf = 4;
-/// Boxes are so much larger than solids that no rounding parts a ray from what it meets.
+/// Boxes are enlarged by more than rounding errors, so that no intersection is missed.
 constexpr double kSlack_m = 1e-6;
 
-/// Whether the ray is in the box anywhere up to `range`.
+/// Whether the ray intersects the box up to `range`.
 bool crosses(const Vector3d& low,
              const Vector3d& high,
              const Vector3d& origin,
@@ -49,7 +49,7 @@ void StreetIndex::part(const std::vector<StreetSolid>& solids, std::uint32_t fir
   if (count <= kInLeaf) return;
   int axis = 0;
   (high_middle - low_middle).maxCoeff(&axis);
-  // By middles, then by index: the same tree everywhere.
+  // Sorted by centre, then by index: the same tree on every platform.
   const auto begin = order_.begin() + first;
   const std::uint32_t half = count / 2;
   std::nth_element(begin, begin + half, begin + count, [&](std::uint32_t a, std::uint32_t b) {
@@ -69,18 +69,18 @@ const StreetSolid* StreetIndex::meet(const std::vector<StreetSolid>& solids,
                                      const Vector3d& inverse,
                                      StreetCrossing& nearest) const {
   if (nodes_.empty()) return nullptr;
-  // An infinite inverse makes no number of a box's face that the ray starts in.
+  // Limits inverses, because infinity times zero is NaN for a face that contains the ray's start.
   constexpr double kLargest = 1e200;
   const Vector3d bounded = inverse.cwiseMax(-kLargest).cwiseMin(kLargest);
   const StreetSolid* met = nullptr;
-  std::array<std::uint32_t, 64> waiting{};  // halves of a tree of 2^32 solids
+  std::array<std::uint32_t, 64> waiting{};  // nodes to visit of a tree of 2^32 solids
   std::size_t count = 0;
   waiting[count++] = 0;
   while (count > 0) {
     const std::uint32_t at = waiting[--count];
     const Node& node = nodes_[at];
     if (!crosses(node.low, node.high, origin, bounded, nearest.range)) continue;
-    if (node.count == 0) {  // the nearer child first: what it has hides the other
+    if (node.count == 0) {  // nearer child first: its hits exclude the other
       const bool is_forward = direction[node.axis] >= 0.0;
       waiting[count++] = is_forward ? node.first : at + 1;
       waiting[count++] = is_forward ? at + 1 : node.first;

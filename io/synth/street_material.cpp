@@ -1,5 +1,5 @@
-// What the solids of the synthetic street look like. Patterns are 0.1 m to 3 m in size and smooth wherever a
-// real surface is: Gaussians can learn them, per-pixel noise they could not.
+// Appearance of the synthetic street's solids. Patterns have sizes of 0.1 m to 3 m and are smooth like real
+// surfaces: Gaussians can represent them, but not per-pixel noise.
 #include <algorithm>
 #include <cmath>
 
@@ -23,7 +23,7 @@ StreetSurface asphalt(const StreetSolid& s, const Vector3d& p, std::uint64_t see
     const double worn = 1.0 + 0.08 * patches(p, 1.5, seed);
     return scaled({0.86, 0.86, 0.83}, 0.75, worn);
   }
-  // Wheel tracks are a little darker than the crown of the lane.
+  // Wheel tracks are slightly darker than the lane's centre.
   const double track = std::cos(2.0 * 3.14159265358979 * (std::abs(p.y()) - 1.75) / 1.6);
   return scaled(s.tint, s.reflectance, 1.0 + 0.16 * patches(p, 2.4, seed) + 0.05 * track);
 }
@@ -49,7 +49,7 @@ StreetSurface facade(const StreetSolid& s, const Vector3d& p, const Vector3d& no
   if (p.z() > height - 0.5) return scaled(0.55 * s.tint + Vector3d::Constant(0.3), 0.5, 1.0);  // cornice
   if (p.z() < 0.7) return scaled(0.5 * s.tint, 0.25, wall);                                    // plinth
   if (!street_side) return scaled(s.tint, s.reflectance, wall);
-  // A grid of storeys of 3 m and bays of about 2.4 m, cut to the house's width.
+  // Storeys of 3 m and bays of about 2.4 m, fitted to the house's width.
   const auto [bays, bay] = street_bays(s);
   const double u = p.x() - s.low.x();
   const double across = std::abs(wrap(u, bay) - 0.5 * bay);
@@ -149,7 +149,7 @@ StreetSurface street_surface(const StreetSolid& solid,
     case StreetMaterial::kLeaves:
       return scaled(solid.tint, solid.reflectance, 1.0 + 0.35 * noise(point * 2.2, seed));
     default:
-      return scaled(solid.tint, solid.reflectance, 1.0);  // of a detail alone
+      return scaled(solid.tint, solid.reflectance, 1.0);  // only of a detail
   }
 }
 
@@ -157,7 +157,7 @@ Vector3d street_sky(const Vector3d& direction) {
   const double up = std::clamp(direction.z(), 0.0, 1.0);
   const Vector3d horizon(0.82, 0.86, 0.90);
   const Vector3d zenith(0.30, 0.50, 0.82);
-  // A warm side low in the direction of travel, and slow clouds.
+  // Warm light from the direction of travel, and slow clouds.
   const double warm = 0.06 * std::max(0.0, direction.x()) * (1.0 - up);
   const double cloud = 0.04 * std::sin(5.0 * direction.x() + 3.0 * direction.y()) * std::sin(7.0 * up);
   const Vector3d blue = horizon + std::sqrt(up) * (zenith - horizon);

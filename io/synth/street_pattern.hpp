@@ -1,5 +1,5 @@
 #pragma once
-// What the patterns of the synthetic streets are made of. Included by io/synth/street_*.cpp alone.
+// Procedural patterns of the synthetic streets, for io/synth/street_*.cpp.
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ inline std::uint64_t mix(std::uint64_t x) {  // the finaliser of SplitMix64
   return x ^ (x >> 31U);
 }
 
-/// Uniform in [0,1) from a lattice point.
+/// Returns a uniform number in [0,1) for a lattice point.
 inline double hash(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t seed) {
   std::uint64_t h = mix(seed + 0x9e3779b97f4a7c15ULL);
   h = mix(h ^ static_cast<std::uint64_t>(x));
@@ -24,7 +24,7 @@ inline double hash(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t
   return static_cast<double>(h >> 11U) * 0x1.0p-53;
 }
 
-/// Smooth value noise in [-1, 1] with features of one unit.
+/// Returns smooth value noise in [-1, 1] with features of one unit.
 inline double noise(const Eigen::Vector3d& p, std::uint64_t seed) {
   const Eigen::Vector3d base = p.array().floor();
   const Eigen::Vector3d f = p - base;
@@ -40,14 +40,14 @@ inline double noise(const Eigen::Vector3d& p, std::uint64_t seed) {
   return 2.0 * std::lerp(low, high, w.z()) - 1.0;
 }
 
-/// Two octaves: broad patches of `size_m` and finer ones of a quarter of it.
+/// Returns two octaves of noise: patches of `size_m` and of a quarter of it.
 inline double patches(const Eigen::Vector3d& p, double size_m, std::uint64_t seed) {
   return 0.7 * noise(p / size_m, seed) + 0.3 * noise(p * (4.0 / size_m), seed + 1);
 }
 
 inline double wrap(double x, double period) { return x - period * std::floor(x / period); }
 
-/// Which period of `size` x is in.
+/// Returns the index of the period of length `size` that contains x.
 inline std::int64_t cell(double x, double size = 1.0) {
   return static_cast<std::int64_t>(std::floor(x / size));
 }

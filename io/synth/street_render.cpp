@@ -1,4 +1,4 @@
-// The synthetic street seen by a camera and a LiDAR on a driving rig, written as a log folder.
+// The synthetic street as seen by a camera and a LiDAR of a driving rig, written as a log folder.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -45,8 +45,8 @@ Trajectory drive(const StreetOptions& o) {
   return Trajectory(std::move(poses));
 }
 
-/// Calls work(row) for every row, on several threads. Rows write to places of their own, so the result does
-/// not depend on who does which. The first exception is thrown again here.
+/// Calls work(row) for every row on several threads. Rows write to separate memory, so the result does not
+/// depend on the threads. Rethrows the first exception.
 template <class Work>
 void for_each_row(int rows, int threads, const Work& work) {
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
@@ -115,7 +115,8 @@ LogLidar street_top_lidar(int columns) {
   Lidar model;
   model.name = "top";
   model.columns = columns;
-  model.azimuth_first = std::numbers::pi;  // clockwise from the back: the front is seen at mid-sweep
+  model.azimuth_first =
+      std::numbers::pi;  // clockwise from the back, so that the front is scanned at mid-sweep
   model.azimuth_span = 2.0 * std::numbers::pi;
   model.spin = SpinDirection::kClockwise;
   model.range_min = 0.9;
@@ -124,8 +125,8 @@ LogLidar street_top_lidar(int columns) {
   for (int r = 0; r < kRows; ++r) {
     LidarRow row;
     row.elevation = radians(5.0 - 30.0 * r / (kRows - 1));
-    row.vertical_offset = 0.06 - 0.12 * r / (kRows - 1);  // beams leave a head 12 cm tall
-    row.horizontal_offset = r % 2 == 0 ? 0.02 : -0.02;    // from two columns of emitters
+    row.vertical_offset = 0.06 - 0.12 * r / (kRows - 1);  // the emitters span 12 cm vertically
+    row.horizontal_offset = r % 2 == 0 ? 0.02 : -0.02;    // two columns of emitters
     row.azimuth_offset = r % 2 == 0 ? radians(0.5) : radians(-0.5);
     model.rows.push_back(row);
   }
@@ -178,7 +179,7 @@ Image render_street(const TracedWorld& street,
         const double across = x + (sample % kSide + 0.5) / kSide;
         const double down = y + (sample / kSide + 0.5) / kSide;
         const Vector3d direction = world_from_camera.rotation * model.unproject({across, down});
-        if (direction.isZero(0.0)) continue;  // outside the lens
+        if (direction.isZero(0.0)) continue;  // outside the lens's domain
         sum += street.trace(world_from_camera.translation, direction.normalized(), time_s, kSeeFar_m).colour;
         ++traced;
       }
@@ -202,7 +203,7 @@ Sweep scan_street(const TracedWorld& street,
   const int columns = sweep.rays.columns;
   for_each_row(sweep.rays.rows, threads, [&](int r) {
     for (int c = 0; c < columns; ++c) {
-      // From the stored, rounded angles and time: what is read back is what was measured.
+      // Uses the stored, rounded angles and time, so that the file's values are exact.
       const std::size_t i =
           static_cast<std::size_t>(r) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(c);
       const auto azimuth = static_cast<double>(sweep.rays.azimuth[i]);

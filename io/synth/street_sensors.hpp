@@ -1,5 +1,5 @@
 #pragma once
-// The rig of the synthetic streets: what it carries, and how it drives. Included by io/synth/*.cpp alone.
+// Sensors and motion of the synthetic streets' rig, for io/synth/*.cpp.
 #include <cmath>
 #include <fmt/format.h>
 
@@ -12,24 +12,25 @@ inline constexpr double kStreetFramePeriod_s = 0.1;
 inline constexpr double kStreetPosePeriod_s = 0.01;
 inline constexpr int kStreetPosesOutside = 5;  // poses before the first and after the last sweep
 inline constexpr double kStreetReadOut_s = 0.02;
-inline constexpr double kStreetLane_m = -1.75;        // left of the road's middle
-inline constexpr double kStreetLargestShift_m = 4.0;  // walls stand further from the lane
+inline constexpr double kStreetLane_m = -1.75;        // left of the road's centre
+inline constexpr double kStreetLargestShift_m = 4.0;  // walls are farther from the lane
 
-/// Looks ahead, 80 degrees wide.
+/// Returns a camera that looks ahead, 80 degrees wide.
 [[nodiscard]] LogCamera street_front_camera(int width, int height, bool rolling_shutter);
-/// 32 beams above the roof.
+/// Returns a LiDAR with 32 beams above the roof.
 [[nodiscard]] LogLidar street_top_lidar(int columns);
-/// rig_from_road's sway: a little to the left and right, where it heads where it drives, and nods and leans
-/// on its springs.
+/// Returns rig_from_road: small lateral motion with the corresponding heading, and pitch and roll of the
+/// suspension.
 [[nodiscard]] Pose street_sway(double driven_m);
 
-/// Throws Error{kUsage} unless `good`; `option` as `simuli synth street` names it, which alone gives them.
+/// Throws Error{kUsage} unless `good`; `option` is the name in `simuli synth street`, the only source of these
+/// options.
 template <class Value>
 void check_street(bool good, const char* option, const Value& found, const char* allowed) {
   if (!good) throw Error(ErrorKind::kUsage, fmt::format("{}: found {}, allowed {}", option, found, allowed));
 }
 
-/// What the options of both streets have in common.
+/// Checks the options that both streets share.
 template <class Options>
 void check_street_rig(const Options& o) {
   check_street(std::abs(o.lane_shift_m) <= kStreetLargestShift_m, "--lane-shift", o.lane_shift_m, "-4 to 4");

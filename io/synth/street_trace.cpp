@@ -1,4 +1,4 @@
-// Rays through the synthetic street.
+// Rays in the synthetic street.
 #include <algorithm>
 #include <cmath>
 
@@ -47,7 +47,7 @@ bool meet_sphere(const StreetSolid& solid,
                  StreetCrossing& nearest) {
   const Vector3d from_centre = origin - solid.centre;
   const double half_b = from_centre.dot(direction);
-  // The squared distance of the line from the centre, without the cancellation of b^2 - c.
+  // The squared distance of the line from the centre, without the cancellation in b^2 - c.
   const double discriminant = solid.radius * solid.radius - (from_centre - half_b * direction).squaredNorm();
   if (!(discriminant > 0.0)) return false;
   const double range = -half_b - std::sqrt(discriminant);
@@ -163,7 +163,7 @@ StreetHit Street::trace(const Vector3d& origin,
   hit.range = nearest.range;
   hit.normal = nearest.normal;
   const Vector3d point = origin + nearest.range * direction + solid_from_world;
-  // As wide as a pixel of the street's own camera, wider where the ray grazes the surface.
+  // The width of a pixel of the street's camera, larger at grazing incidence.
   constexpr double kPixel_rad = 0.0053, kLeastCosine = 0.3;
   const double footprint_m =
       kPixel_rad * nearest.range / std::max(std::abs(nearest.normal.dot(direction)), kLeastCosine);
@@ -184,7 +184,7 @@ StreetReturn TracedWorld::lidar_return(const Vector3d& origin,
   if (!(hit.hit && hit.range >= range_min)) return {};
   const double cosine = std::abs(hit.normal.dot(direction));
   if (!(hit.reflectance * cosine / (hit.range * hit.range) >= kMinimumEnergy)) return {};
-  // A sensor compensates most of the inverse square; what is left halves the signal at 80 m.
+  // Sensors compensate most of the inverse square; the remainder halves the signal at 80 m.
   const double falloff = 1.0 / (1.0 + (hit.range / 80.0) * (hit.range / 80.0));
   return {hit.range, std::clamp(hit.reflectance * (0.3 + 0.7 * cosine) * falloff, 0.0, 1.0)};
 }

@@ -23,10 +23,10 @@ struct Capsule {
   double radius = 0.0;
   Vector3d albedo;
   double reflectance = 0.0;
-  double bands_m = 0.0;  // of a darker colour across it; 0: none
+  double bands_m = 0.0;  // width of darker bands across it; 0: none
 };
 
-/// Straight down turned forward by that angle.
+/// Returns the downward direction rotated forward by the angle.
 Vector3d swung(double angle_rad) { return {std::sin(angle_rad), 0.0, -std::cos(angle_rad)}; }
 
 std::array<Capsule, 8> body_at(const StreetWalker& walker, double time_s) {
@@ -39,7 +39,7 @@ std::array<Capsule, 8> body_at(const StreetWalker& walker, double time_s) {
     const double left = side == 0 ? 1.0 : -1.0;
     const double phase = 2.0 * std::numbers::pi * (walker.strides_per_s * time_s + (side == 0 ? 0.0 : 0.5));
     const double hip = kLegSwing_rad * std::sin(phase);
-    // The knee bends while the leg comes forward.
+    // The knee bends while the leg swings forward.
     const double knee = kKnee_rad * std::max(0.0, std::cos(phase));
     const Vector3d hip_at(0.0, left * kHipSide_m, kHip_m);
     const Vector3d knee_at = hip_at + kThigh_m * swung(hip);
@@ -53,7 +53,7 @@ std::array<Capsule, 8> body_at(const StreetWalker& walker, double time_s) {
   return out;
 }
 
-/// Nearest crossing of the ray with the capsule from outside; along: m from its beginning.
+/// Intersects the ray with the capsule from outside; along: m from its start.
 bool meet(const Capsule& c, const Vector3d& origin, const Vector3d& direction, double& range, double& along) {
   const Vector3d axis = c.to - c.from, arm = origin - c.from;
   const double axis2 = axis.squaredNorm();
@@ -120,7 +120,7 @@ WalkerHit meet_walker(const StreetWalker& walker,
   const Pose walker_from_world = walker.world_from_walker(time_s).inverse();
   const Vector3d o = walker_from_world * origin, d = walker_from_world.rotation * direction;
   WalkerHit hit;
-  // Most rays pass by a ball around it all.
+  // Most rays miss a sphere around the person.
   const Vector3d to_middle = Vector3d(0.0, 0.0, 0.5 * kHeight_m) - o;
   if ((to_middle - to_middle.dot(d) * d).squaredNorm() > 1.1 * 1.1) return hit;
   double nearest = range, along = 0.0;

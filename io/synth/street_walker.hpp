@@ -1,5 +1,5 @@
 #pragma once
-// The street's person: capsules that swing about hips, knees and shoulders. Included by io/synth/*.cpp alone.
+// The street's person: capsules that swing about hips, knees and shoulders, for io/synth/*.cpp.
 #include <Eigen/Core>
 
 #include "io/synth/street.hpp"
@@ -14,7 +14,8 @@ struct WalkerHit {
   double reflectance = 0.0;
 };
 
-/// What the ray from origin (world, m) along the unit direction meets of the person at time_s before `range`.
+/// Returns the first intersection with the person at time_s of the ray from origin (world, m) along the unit
+/// direction, before `range`.
 [[nodiscard]] WalkerHit meet_walker(const StreetWalker& walker,
                                     const Eigen::Vector3d& origin,
                                     const Eigen::Vector3d& direction,

@@ -1,4 +1,4 @@
-// Builds the synthetic street: what stands where.
+// Construction of the synthetic street.
 #include "io/synth/street_world.hpp"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace simuli {
 namespace {
 
 constexpr double kStreetStart_m = -60.0;
-constexpr double kStreetEnd_m = Street::kLength_m + 80.0;  // the rig always has street ahead
+constexpr double kStreetEnd_m = Street::kLength_m + 80.0;  // there is always street ahead of the rig
 constexpr double kFarAway_m = 1e4;
 
 const std::array<Eigen::Vector3d, 7> kFacadeTints{{{0.72, 0.42, 0.32},
@@ -69,7 +69,7 @@ void add_signs(std::vector<StreetSolid>& to) {
 }
 
 void add_thin_poles(std::vector<StreetSolid>& to, std::uint64_t seed) {
-  StreetDice dice(~seed);  // the rest of the street has its own numbers
+  StreetDice dice(~seed);  // random numbers independent of the rest of the street
   for (const double side : {-1.0, 1.0}) {
     for (double x = kStreetStart_m; x < kStreetEnd_m; x += 3.0) {
       const Eigen::Vector3d foot(x + dice.between(-0.5, 0.5), side * 5.7, kKerbHeight_m);
@@ -90,7 +90,7 @@ StreetSolid street_box(StreetMaterial material,
 }
 
 void add_street_car(std::vector<StreetSolid>& to, const Eigen::Vector3d& at, const Eigen::Vector3d& tint) {
-  // Dark paint sends little light back; that is what makes black cars hard to see for a LiDAR.
+  // Dark paint reflects little light, as on black cars, which LiDARs detect badly.
   const double paint = 0.04 + 0.6 * tint.mean();
   const auto part = [&](StreetMaterial material, double x0, double x1, double half_y, double z0, double z1) {
     StreetSolid solid = street_box(
@@ -175,7 +175,7 @@ StreetWorld build_street_world(const StreetContents& contents) {
   }
   add_signs(world.solids);
   if (contents.thin_poles) add_thin_poles(world.solids, seed);
-  // Houses across both ends: no ray leaves the street at eye height.
+  // Houses close both ends: no ray leaves the street at eye height.
   for (const double x : {kStreetStart_m - 4.0, kStreetEnd_m}) {
     world.solids.push_back(street_box(
         StreetMaterial::kFacade, {x, -24.0, 0.0}, {x + 4.0, 24.0, 12.0}, dice.pick(kFacadeTints), 0.4));

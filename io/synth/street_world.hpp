@@ -1,6 +1,5 @@
 #pragma once
-// Inside the synthetic street: its solids and what they are made of. Included by io/synth/*.cpp and their
-// tests alone.
+// Solids and materials of the synthetic street, for io/synth/*.cpp and their tests.
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
@@ -12,7 +11,7 @@ namespace simuli {
 
 struct StreetContents;
 
-/// What a surface looks like; the patterns are in io/synth/street_material.cpp.
+/// Material of a surface; the patterns are in io/synth/street_material.cpp.
 enum class StreetMaterial {
   kAsphalt,
   kPavement,
@@ -24,7 +23,7 @@ enum class StreetMaterial {
   kSign,
   kBark,
   kLeaves,
-  // Of a detail alone (bench/street), whose patterns they are.
+  // Materials of a detail (bench/street), which defines their patterns.
   kStone,
   kPainted,
   kStriped,
@@ -47,34 +46,34 @@ struct StreetCrossing {
 };
 
 struct StreetSolid;
-/// The crossing with a solid of that shape becomes `nearest` where it is nearer, and the result true. Details
-/// (bench/street) have shapes of their own.
+/// Updates `nearest` and returns true if the ray intersects a solid of that shape before it. Details
+/// (bench/street) define further shapes.
 using StreetShape = bool(const StreetSolid& solid,
                          const Eigen::Vector3d& origin,
                          const Eigen::Vector3d& direction,
                          const Eigen::Vector3d& inverse,
                          StreetCrossing& nearest);
-/// Low and high corners; a ray from inside meets nothing.
+/// Box between low and high corners; rays that start inside do not intersect.
 StreetShape meet_box;
-/// A vertical cylinder: axis through centre from low.z to high.z, its foot on the ground.
+/// Vertical cylinder with axis through centre from low.z to high.z, standing on the ground.
 StreetShape meet_pole;
-/// Centre and radius.
+/// Sphere with centre and radius.
 StreetShape meet_sphere;
-/// Hits nearer than this are the surface the ray starts on.
+/// Closer hits are the surface on which the ray starts.
 inline constexpr double kNearestHit_m = 1e-9;
 
-/// One solid. `centre` is also where the patterns start.
+/// One solid. `centre` is also the origin of its patterns.
 struct StreetSolid {
   StreetShape* shape = meet_box;
   StreetMaterial material = StreetMaterial::kAsphalt;
-  Eigen::Vector3d low = Eigen::Vector3d::Zero();     // m, bounds in any shape
+  Eigen::Vector3d low = Eigen::Vector3d::Zero();     // m, bounds of any shape
   Eigen::Vector3d high = Eigen::Vector3d::Zero();    // m
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  // m
   double radius = 0.0;                               // m
   Eigen::Vector3d tint = Eigen::Vector3d::Ones();    // base colour
   double reflectance = 0.0;                          // base, [0,1]
-  Eigen::Vector3d axis = Eigen::Vector3d::Zero();    // as the shape has it
-  std::uint32_t style = 0;                           // 0: plain; else which variety of a detail's material
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();    // depends on the shape
+  std::uint32_t style = 0;                           // 0: plain; else the variant of a detail's material
 };
 
 struct StreetSurface {
@@ -82,11 +81,11 @@ struct StreetSurface {
   double reflectance = 0.0;
 };
 
-/// A tree of bounding boxes over solids: a ray tests those alone whose boxes it crosses.
+/// A bounding-box tree over solids: a ray tests only solids whose boxes it intersects.
 class StreetIndex {
  public:
   explicit StreetIndex(const std::vector<StreetSolid>& solids);
-  /// As the shape of each of the solids that the index was made of.
+  /// Tests the indexed solids as their shapes do.
   [[nodiscard]] const StreetSolid* meet(const std::vector<StreetSolid>& solids,
                                         const Eigen::Vector3d& origin,
                                         const Eigen::Vector3d& direction,
@@ -96,9 +95,9 @@ class StreetIndex {
  private:
   struct Node {
     Eigen::Vector3d low, high;
-    std::uint32_t first = 0;  // of a leaf: its solids' place in order_; else the second child's node
-    std::uint32_t count = 0;  // of a leaf's solids; 0: two children, the first one right behind
-    int axis = 0;             // along which children are parted
+    std::uint32_t first = 0;  // leaf: index of its first solid in order_; else node of the second child
+    std::uint32_t count = 0;  // leaf: number of solids; 0: two children, the first one follows
+    int axis = 0;             // split axis
   };
   void part(const std::vector<StreetSolid>& solids, std::uint32_t first, std::uint32_t count);
 
@@ -108,12 +107,12 @@ class StreetIndex {
 
 struct StreetWorld;
 
-/// What makes a plain street a richer one.
+/// Callbacks that add detail to a plain street.
 struct StreetDetail {
-  /// Adds and changes solids; those that are not of plain materials get a style.
+  /// Adds and changes solids; solids with other than plain materials get a style.
   void (*add)(StreetWorld& world);
-  /// As street_surface(), for solids with a style. Patterns finer than footprint_m, the width of a pixel
-  /// there, show as their mean.
+  /// As street_surface(), for solids with a style. Patterns finer than footprint_m, the width of a pixel there,
+  /// are averaged.
   StreetSurface (*surface)(const StreetSolid& solid,
                            const Eigen::Vector3d& point,
                            const Eigen::Vector3d& normal,
@@ -121,12 +120,12 @@ struct StreetDetail {
                            double footprint_m);
 };
 
-/// All solids that stand still, and the moving car in its own frame (origin under its middle, x forward).
+/// All static solids, and the moving car in its own frame (origin below its centre, x forward).
 struct StreetWorld {
   std::uint64_t seed = 0;
   std::vector<StreetSolid> ground;  // as long as the street: tested for every ray
   std::vector<StreetSolid> solids;
-  StreetIndex index{{}};         // of them
+  StreetIndex index{{}};         // of `solids`
   std::vector<StreetSolid> car;  // empty: no moving car
   const StreetDetail* detail = nullptr;
 };
@@ -139,7 +138,7 @@ inline constexpr double kCarHalfLength_m = 2.1;
 inline constexpr double kCarHalfWidth_m = 0.88;
 inline constexpr double kCarHeight_m = 1.48;
 
-/// Uniform numbers from the engine's own bits: the standard distributions differ between libraries.
+/// Uniform numbers from the engine's bits, because standard distributions differ between libraries.
 class StreetDice {
  public:
   explicit StreetDice(std::uint64_t seed) : engine_(seed) {}
@@ -155,36 +154,37 @@ class StreetDice {
   std::mt19937_64 engine_;
 };
 
-// Parts of a street along x, on the side of y that `side` (1 or -1) tells.
+// Parts of a street along x, at positive or negative y by `side` (1 or -1).
 [[nodiscard]] StreetSolid street_box(StreetMaterial material,
                                      const Eigen::Vector3d& low,
                                      const Eigen::Vector3d& high,
                                      const Eigen::Vector3d& tint,
                                      double reflectance);
-/// Houses from x = from_m on, the last one beginning before to_m.
+/// Adds houses from x = from_m; the last one begins before to_m.
 void add_street_buildings(
     std::vector<StreetSolid>& to, StreetDice& dice, double side, double from_m, double to_m);
-/// Lamps, trees and parked cars.
+/// Adds lamps, trees and parked cars.
 void add_street_furniture(
     std::vector<StreetSolid>& to, StreetDice& dice, double side, double from_m, double to_m);
-/// A car whose middle stands on the road at `at`, as long as the x axis.
+/// Adds a car with its centre on the road at `at`, aligned with the x axis.
 void add_street_car(std::vector<StreetSolid>& to, const Eigen::Vector3d& at, const Eigen::Vector3d& tint);
 
-/// Sun and sky light, the same all day: no cast shadows, so that appearance depends on the surface alone.
+/// Returns sun and sky light, constant and without cast shadows, so that appearance depends on the surface
+/// only.
 [[nodiscard]] double street_light(const Eigen::Vector3d& normal);
 
-/// Windows, doors and shops of a house stand in so many bays of that width, m.
+/// Number and width in m of the bays of windows, doors and shops of a house.
 struct StreetBays {
   int count = 1;
   double width = 0.0;
 };
 [[nodiscard]] StreetBays street_bays(const StreetSolid& house);
-/// Whether the plain street's paint is there on the road.
+/// Whether the plain street has paint at this position of the road.
 [[nodiscard]] bool street_lane_marking(double x, double y);
 
 [[nodiscard]] StreetWorld build_street_world(const StreetContents& contents);
-/// Colour and reflectance of `solid`, without a style, at `point` (in the solid's frame, on the surface with
-/// that normal). No pattern is finer than a pixel.
+/// Returns colour and reflectance of `solid`, without a style, at `point` (in the solid's frame, on the surface
+/// with that normal). No pattern is finer than a pixel.
 [[nodiscard]] StreetSurface street_surface(const StreetSolid& solid,
                                            const Eigen::Vector3d& point,
                                            const Eigen::Vector3d& normal,

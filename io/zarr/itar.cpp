@@ -1,5 +1,5 @@
-// A tar file with an index at its end: xz(CBOR {"items": [text], "offset_datas": [n], "sizes": [n]}), padded
-// to a block, then a last block of magic, kind, place and size of the index.
+// A tar file with an index at its end: xz(CBOR {"items": [text], "offset_datas": [n], "sizes": [n]}), padded to
+// a block, then a block with magic, kind, offset and size of the index.
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -34,7 +34,7 @@ class ItarStore : public ZarrStore {
       throw_input_error(file_, "size", fmt::format("{} bytes", size), "blocks of 512, the last of the index");
     }
     const ItarTrailer trailer = read_itar_trailer(part(size - kTarBlock, kTarBlock), size - kTarBlock, file_);
-    // No larger than what it lists, where each entry has a block of its own.
+    // At most the size of the listed entries, each of which has its own block.
     const std::uint64_t most = std::min(kLargestEntry, trailer.offset + 8 * kTarBlock);
     const std::string index = unxz(part(trailer.offset, trailer.size), file_ + ": index", most);
     entries_ = read_itar_index(index, trailer.offset, file_);
@@ -53,7 +53,7 @@ class ItarStore : public ZarrStore {
           at->first.substr(prefix.size(), at->first.find('/', prefix.size()) - prefix.size());
       const std::string path = prefix + child;
       if (is_group(*this, path) || is_array(*this, path)) out.push_back(child);
-      // What stands below the child ends before the name with the character behind '/'.
+      // Names below the child sort before its name followed by the character after '/'.
       at = entries_.lower_bound(at->first == path ? path + '\0' : path + static_cast<char>('/' + 1));
     }
     return out;

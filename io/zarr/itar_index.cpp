@@ -23,9 +23,9 @@ std::uint64_t little_endian(std::string_view bytes) {
   return value;
 }
 
-/// As much of CBOR as the index is made of: a map of text to arrays of text or numbers, none inside another.
-/// nlohmann's from_cbor() calls itself for each array inside another: 200 kB of them, which XZ packs into a few
-/// hundred bytes, end the process.
+/// Parses the subset of CBOR that the index uses: a map of text to arrays of text or numbers without nesting.
+/// nlohmann's from_cbor() is recursive: 200 kB of nested arrays, a few hundred bytes in XZ, would overflow the
+/// stack.
 class Cbor {
  public:
   enum Major : unsigned { kNumber = 0, kText = 3, kArray = 4, kMap = 5 };
@@ -43,7 +43,7 @@ class Cbor {
     return value;
   }
   [[nodiscard]] std::string text() { return std::string(take(head(kText))); }
-  /// Elements of an array, each of which takes a byte at least.
+  /// Returns the number of elements of an array; each has at least a byte.
   [[nodiscard]] std::size_t count() {
     const std::uint64_t n = head(kArray);
     if (n > bytes_.size()) refuse();

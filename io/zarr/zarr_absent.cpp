@@ -1,4 +1,4 @@
-// In builds without libblosc or liblzma.
+// Replacement in builds without libblosc or liblzma.
 #include "host/core/base/error.hpp"
 #include "io/zarr/zarr_codec.hpp"
 #include "io/zarr/zarr_store.hpp"

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMostDimensions = 4;
 
-/// Bytes of one item: numbers of one byte or little-endian, and strings of bytes.
+/// Returns the bytes of an item: numbers of one byte or little-endian, and byte strings.
 std::size_t item_bytes(const std::string& type, const std::string& file) {
   std::size_t size = 0;
   const bool is_sound =
@@ -46,7 +46,7 @@ std::vector<std::size_t> sizes_of(JsonObject& header, const std::string& key, st
   return out;
 }
 
-/// Product of sizes and the bytes of an item; Error{kInput} above kLargestEntry.
+/// Returns the product of sizes and item bytes. Throws Error{kInput} above kLargestEntry.
 std::size_t bytes_of(const std::vector<std::size_t>& sizes, std::size_t item, const std::string& file) {
   std::size_t bytes = item;
   for (const std::size_t size : sizes) {
@@ -65,7 +65,7 @@ struct Header {
 
 Header read_header(const ZarrStore& store, const std::string& path, const std::string& file) {
   return read_json_text(store.read(zarr_key(path, ".zarray")), file, [&](JsonObject& h) {
-    h.ignore_other_keys();  // fill_value: every chunk has to be there
+    h.ignore_other_keys();  // fill_value is ignored: every chunk must exist
     Header out;
     (void)h.integer("zarr_format", 2, 2);
     out.shape = sizes_of(h, "shape", 0);
@@ -102,7 +102,7 @@ std::string decoded(const std::string& bytes,
   return out;
 }
 
-/// Row-major arrays of four dimensions, missing ones 1 in front.
+/// Row-major shapes with four dimensions; missing leading ones are 1.
 using Sizes = std::array<std::size_t, kMostDimensions>;
 Sizes padded(const std::vector<std::size_t>& sizes) {
   Sizes out;
@@ -111,7 +111,7 @@ Sizes padded(const std::vector<std::size_t>& sizes) {
   return out;
 }
 
-/// Copies a chunk that begins at `first` to its place; what reaches beyond the array is filling.
+/// Copies a chunk that begins at `first` into the array; parts beyond the array are padding.
 void place(const std::string& chunk,
            const Sizes& chunks,
            const Sizes& first,
@@ -160,7 +160,8 @@ ZarrArray read_zarr_array(const ZarrStore& store, const std::string& path) {
     if (!store.has(whole_key)) throw_input_error(file, "chunk " + key, "none", "all of them");
     const std::string chunk =
         decoded(store.read(whole_key), header.compressor, chunk_size, store.name() + ": " + whole_key);
-    out.bytes.resize(size);  // once a chunk is what the header says: a few bytes may say to become many
+    // allocated after a chunk has matched the header, because a few bytes can claim any size
+    out.bytes.resize(size);
     place(chunk, chunks, first, shape, item, out.bytes);
     more = false;
     for (std::size_t d = kMostDimensions; d-- > 0 && !more;) {

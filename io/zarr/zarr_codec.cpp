@@ -34,7 +34,7 @@ std::string blosc(const std::string& bytes, std::size_t item_bytes) {
 std::string unblosc(const std::string& bytes, std::size_t size, const std::string& file) {
   constexpr int kNoSuchCompressor = -5;
   std::size_t stated = 0;
-  // The decoder trusts the header's sizes: they are compared with what is there first.
+  // The decoder trusts the header's sizes; compare them with the data first.
   const bool is_whole = bytes.size() >= BLOSC_MIN_HEADER_LENGTH &&
                         blosc_cbuffer_validate(bytes.data(), bytes.size(), &stated) == 0 && stated == size;
   std::string out(is_whole ? size : 0, '\0');

@@ -1,6 +1,6 @@
 #pragma once
-// Zarr v2, the parts that recordings use: groups with attributes, arrays in chunks, in a folder or in one
-// indexed tar file (.itar). For io/zarr, io/ncore and tests.
+// Zarr v2 stores with the features that recordings use: groups with attributes and chunked arrays, in a folder
+// or in one indexed tar file (.itar). For io/zarr, io/ncore and tests.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -12,40 +12,42 @@
 
 namespace simuli {
 
-/// Whether this build reads and writes such stores: it has libblosc and liblzma.
+/// Whether this build has libblosc and liblzma, which these stores need.
 [[nodiscard]] bool has_zarr();
 
-/// Bytes by key ("cameras/front/.zattrs"), read when asked for.
+/// Bytes by key ("cameras/front/.zattrs"), read on request.
 class ZarrStore {
  public:
   virtual ~ZarrStore() = default;
   [[nodiscard]] virtual bool has(const std::string& key) const = 0;
-  /// Error{kInput} naming file and key when there is none, and for more bytes than kLargestEntry.
+  /// Throws Error{kInput} naming file and key for a missing entry and for more bytes than kLargestEntry.
   [[nodiscard]] virtual std::string read(const std::string& key) const = 0;
-  /// What stands right below a group ("" is the root) and is a group or an array itself, by name.
+  /// Returns the names of the groups and arrays directly below a group ("" is the root).
   [[nodiscard]] virtual std::vector<std::string> children(const std::string& group) const = 0;
-  /// For messages.
+  /// Returns the store's name for messages.
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
-/// An entry of more bytes is refused, and so is an array: a few bytes may say to become as many.
+/// Limit of entries and arrays, because a few bytes can claim any size.
 inline constexpr std::uint64_t kLargestEntry = std::uint64_t{1} << 28U;
 
-/// A folder with a .zgroup, or an .itar. Error{kInput} when it is neither, is damaged, and in builds without.
+/// Opens a folder with a .zgroup, or an .itar. Throws Error{kInput} for other and damaged files, and in builds
+/// without has_zarr().
 [[nodiscard]] std::unique_ptr<const ZarrStore> open_zarr(const std::filesystem::path& path);
-/// The .itar alone.
+/// Opens an .itar only.
 [[nodiscard]] std::unique_ptr<const ZarrStore> open_itar(const std::filesystem::path& file);
 
-/// "a/b" of a group and a name below it; the root is "".
+/// Returns "a/b" for a group and a name in it; the root is "".
 [[nodiscard]] std::string zarr_key(const std::string& group, const std::string& name);
 
 [[nodiscard]] bool is_group(const ZarrStore& store, const std::string& path);
 [[nodiscard]] bool is_array(const ZarrStore& store, const std::string& path);
 
-/// Attributes of a group or an array: an object, empty where there are none. Error{kInput} for bad JSON.
+/// Returns the attributes of a group or an array: an object, possibly empty. Throws Error{kInput} for invalid
+/// JSON.
 [[nodiscard]] Json zarr_attributes(const ZarrStore& store, const std::string& path);
 
-/// An array as it is in memory: row-major, little-endian.
+/// An array in memory: row-major, little-endian.
 struct ZarrArray {
   std::vector<std::size_t> shape;  // empty: a scalar
   std::string type;                // "<f4", "<u8", "|u1", "|S1234" ...
@@ -54,8 +56,8 @@ struct ZarrArray {
   [[nodiscard]] std::size_t count() const;
 };
 
-/// Error{kInput} naming file and key for a type, order, filter or compressor that is not read, for chunks
-/// that are missing, damaged or of another size, and for arrays above kLargestEntry.
+/// Throws Error{kInput} naming file and key for an unsupported type, order, filter or compressor, for chunks
+/// that are missing, damaged or of a wrong size, and for arrays above kLargestEntry.
 [[nodiscard]] ZarrArray read_zarr_array(const ZarrStore& store, const std::string& path);
 
 }  // namespace simuli

@@ -17,15 +17,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Octal digits of a field, with a NUL behind.
+/// Writes a field's octal digits followed by a NUL.
 void put_octal(std::string& block, std::size_t at, std::size_t width, std::uint64_t value) {
   const std::string digits = fmt::format("{:0{}o}", value, width - 1);
   block.replace(at, digits.size(), digits);
 }
 
-constexpr std::size_t kTarName = 100;  // bytes of a header's field; others stand in a block before
+constexpr std::size_t kTarName =
+    100;  // bytes of a header's name field; longer names are in a preceding block
 
-/// A header block of a tar file.
+/// Returns a header block of a tar file.
 std::string tar_header(const std::string& name, std::uint64_t size, char kind) {
   constexpr std::size_t kChecksum = 148;
   std::string block(kTarBlock, '\0');
@@ -34,7 +35,7 @@ std::string tar_header(const std::string& name, std::uint64_t size, char kind) {
   put_octal(block, 108, 8, 0);
   put_octal(block, 116, 8, 0);
   put_octal(block, 124, 12, size);
-  put_octal(block, 136, 12, 0);  // modified in 1970: the same content has the same bits
+  put_octal(block, 136, 12, 0);  // modification time 0, so that the same content has the same bits
   block.replace(kChecksum, 8, 8, ' ');
   block[156] = kind;
   block.replace(257, 8, std::string("ustar\00000", 8));
@@ -53,7 +54,7 @@ class ItarFile {
   explicit ItarFile(const fs::path& file) : file_(file), out_(file, std::ios::binary) {}
 
   void add(const std::string& key, const std::string& bytes) {
-    if (key.size() > kTarName) {  // as GNU's tar does, and python's reads
+    if (key.size() > kTarName) {  // GNU tar's extension, which Python supports
       put(tar_header("././@LongLink", key.size() + 1, 'L'));
       put(key + std::string(kTarBlock - key.size() % kTarBlock, '\0'));
     }
@@ -64,7 +65,7 @@ class ItarFile {
     put(filling(bytes.size()));
   }
   void finish() {
-    constexpr std::uint64_t kRecord = 20 * kTarBlock;  // tar files end with a whole one
+    constexpr std::uint64_t kRecord = 20 * kTarBlock;  // tar files end with a complete record
     put(std::string(2 * kTarBlock, '\0'));
     put(std::string((kRecord - at_ % kRecord) % kRecord, '\0'));
     const std::string index = xz(itar_index(entries_));
@@ -152,7 +153,7 @@ void ZarrWriter::array(const std::string& path,
              attributes);
   if (bytes.empty()) return;
   const std::size_t item = std::stoul(type.substr(2));
-  // Chunks are whole rows: one of all of them, or one of each.
+  // Chunks are whole rows: all rows in one chunk, or one chunk per row.
   const std::size_t count = shape.empty() ? 1 : (shape[0] + chunks[0] - 1) / chunks[0],
                     size = bytes.size() / count;
   for (std::size_t i = 0; i < count; ++i) {

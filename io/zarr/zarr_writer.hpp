@@ -1,6 +1,6 @@
 #pragma once
-// Zarr v2 stores as NCore has them: consolidated metadata in .zmetadata.cbor.xz, arrays by Blosc. For
-// io/ncore and tests.
+// Writer of Zarr v2 stores as NCore requires: consolidated metadata in .zmetadata.cbor.xz, arrays compressed by
+// Blosc. For io/ncore and tests.
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -15,20 +15,20 @@ namespace simuli {
 
 class ZarrWriter {
  public:
-  /// Where entries go: a key and its bytes.
+  /// Receives entries: a key and its bytes.
   using Sink = std::function<void(const std::string& key, const std::string& bytes)>;
   explicit ZarrWriter(Sink sink);
 
-  /// A group, and those above it that are not there yet.
+  /// Adds a group and its missing parents.
   void group(const std::string& path, const Json& attributes = nullptr);
-  /// Row-major little-endian items of a numpy type such as "<f4"; empty `chunk`: all in one.
+  /// Adds row-major little-endian items of a NumPy type such as "<f4"; empty `chunk`: a single chunk.
   void array(const std::string& path,
              const std::vector<std::size_t>& shape,
              const std::string& type,
              std::string bytes,
              const Json& attributes = nullptr,
              const std::vector<std::size_t>& chunk = {});
-  /// A file's own bytes as one item, stored as they are.
+  /// Adds a file's bytes as one uncompressed item.
   void file(const std::string& path, const std::string& bytes, const Json& attributes = nullptr);
   template <class T>
   void array(const std::string& path,
@@ -44,7 +44,7 @@ class ZarrWriter {
           attributes,
           chunk);
   }
-  /// Writes the consolidated metadata, behind everything else.
+  /// Writes the consolidated metadata; the last call.
   void finish();
 
  private:
@@ -60,8 +60,8 @@ class ZarrWriter {
   Json metadata_ = Json::object();
 };
 
-/// Fills a new store, complete or not at all: a folder, or one file when the name ends in .itar.
-/// Error{kInput} when there is something of that name and it is a folder, or nothing can be written.
+/// Fills a new store atomically: a folder, or one file for names ending in .itar. Throws Error{kInput} for an
+/// existing folder of that name, and if nothing can be written.
 void write_zarr(const std::filesystem::path& path, const std::function<void(ZarrWriter&)>& fill);
 
 }  // namespace simuli

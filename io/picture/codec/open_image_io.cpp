@@ -1,4 +1,4 @@
-// The codec of OpenImageIO: the only source that includes it.
+// Codec of OpenImageIO; the only source that includes it.
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
@@ -37,7 +37,7 @@ class OpenImageIoInput : public PictureInput {
     return {spec.width, spec.height, spec.depth, spec.nchannels, spec.channelnames};
   }
   [[nodiscard]] PictureFailure read(std::vector<float>& samples) override {
-    constexpr int kRows = 256;  // no block of a format here has more
+    constexpr int kRows = 256;  // largest block of the supported formats
     const OIIO::ImageSpec& s = input_->spec();
     const int step = s.tile_height > 0 ? s.tile_height : kRows;
     const auto row = static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.nchannels);
@@ -53,7 +53,7 @@ class OpenImageIoInput : public PictureInput {
                     0, 0, s.x, s.x + s.width, from, to, 0, 1, 0, s.nchannels, OIIO::TypeDesc::FLOAT, at)
               : input_->read_scanlines(0, 0, from, to, 0, 0, s.nchannels, OIIO::TypeDesc::FLOAT, at);
     }
-    // Part of the samples may be handed over and only a message left.
+    // The library may return part of the samples with a pending message as the only error.
     const bool clean = input_->close() && !input_->has_error();
     if (complete && clean) return std::nullopt;
     return input_->geterror();
@@ -65,7 +65,7 @@ class OpenImageIoInput : public PictureInput {
 
 class OpenImageIo : public PictureCodec {
  public:
-  /// Without threads of its own: a child of fork() would wait for them for ever.
+  /// Without threads: a child of fork() would wait for them forever.
   OpenImageIo() {
     OIIO::attribute("threads", 1);
     OIIO::attribute("exr_threads", -1);

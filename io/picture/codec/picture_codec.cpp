@@ -28,8 +28,8 @@ const PictureCodec* loaded_codec() {
                     SIMULI_PICTURES,
                     cause != nullptr ? cause : "none"));
   };
-  // Looked for where libraries are: beside whoever calls (its run path), then where the system has them.
-  // Never closed: the libraries behind it end with the program.
+  // Searched beside the caller (run path), then in the system's folders. Never closed: its libraries' cleanup
+  // runs at exit.
   void* const object = ::dlopen(SIMULI_PICTURES, RTLD_LAZY | RTLD_LOCAL);
   if (object == nullptr) refuse();
   void* const entry = ::dlsym(object, "simuli_picture_codec_2");
