@@ -22,12 +22,12 @@ using namespace kitti;
 /// KITTI's cameras and velodyne run at 10 Hz.
 constexpr std::int64_t kFrame_ns = 100'000'000;
 
-/// What a sensor recorded: "FOLDER/data/NNNNNNNNNN.ENDING", and times, a line for each frame.
+/// A sensor's recordings: files "FOLDER/data/NNNNNNNNNN.ENDING", and times, one line per frame.
 struct Recorder {
   std::string name;
   fs::path folder;
   std::string ending;
-  std::vector<std::size_t> present, absent, disordered;  // of the frames that are asked for
+  std::vector<std::size_t> present, absent, disordered;  // of the requested frames
 
   [[nodiscard]] fs::path file(std::size_t frame) const {
     return folder / "data" / fmt::format("{:010}.{}", frame, ending);
@@ -37,7 +37,7 @@ struct Recorder {
   }
 };
 
-/// One more than the highest number of a file of the sensor.
+/// Returns 1 + the highest number of the sensor's files.
 std::size_t count_by_number(const Recorder& recorder) {
   const std::regex form("[0-9]{10}\\." + recorder.ending);
   const fs::path folder = recorder.folder / "data";
@@ -53,7 +53,7 @@ std::size_t count_by_number(const Recorder& recorder) {
   return count;
 }
 
-/// The frames that are asked for, of `count` in the drive.
+/// Returns the requested frames of the `count` frames of the drive.
 Frames frames_of(const KittiOptions& options, std::size_t count) {
   const bool is_open = options.last == KittiOptions{}.last;
   const Frames frames{options.first, is_open ? count - 1 : options.last};
@@ -64,7 +64,7 @@ Frames frames_of(const KittiOptions& options, std::size_t count) {
                     fmt::format("first to last from 0 to {}, which the drive has", count - 1));
 }
 
-/// Which of the frames are there. No file and an empty one are gaps: the recorder lost sweeps.
+/// Finds the existing frames. Missing and empty files are gaps: recorders lose sweeps.
 void find_frames(Recorder& recorder, const Frames& frames) {
   for (std::size_t i = frames.first; i <= frames.last; ++i) {
     const fs::path file = recorder.file(i);
@@ -86,7 +86,7 @@ void find_frames(Recorder& recorder, const Frames& frames) {
                     fmt::format("at least one NNNNNNNNNN.{} with something in it", recorder.ending));
 }
 
-/// Takes frames away whose times are out of order.
+/// Removes frames with times out of order.
 void leave_out(Recorder& recorder, const std::vector<std::size_t>& frames) {
   for (const std::size_t frame : frames) {
     const auto found = std::lower_bound(recorder.present.begin(), recorder.present.end(), frame);
@@ -96,9 +96,9 @@ void leave_out(Recorder& recorder, const std::vector<std::size_t>& frames) {
   }
 }
 
-/// Times of all frames of the drive from the sensor's file of that name. Those of the present ones are as
-/// recorded; a line that is blank or not there belongs to a lost frame, which lies between its neighbours,
-/// and so does one that is out of order.
+/// Returns the times of all frames of the drive from the sensor's file of that name. Times of existing frames
+/// are as recorded; blank or missing lines (lost frames) and times out of order are interpolated between their
+/// neighbours.
 std::vector<std::int64_t> read_times(Recorder& recorder, const char* name, std::size_t count) {
   const fs::path file = recorder.folder / name;
   std::vector<std::optional<std::int64_t>> lines = read_lines_ns(file);
@@ -120,10 +120,10 @@ std::vector<std::int64_t> read_times(Recorder& recorder, const char* name, std::
   if (recorder.present.empty())
     throw_input_error(file.string(), "times", "none of the frames' in order", "times that rise");
   std::vector<std::int64_t> times;
-  std::size_t before = count;  // the last frame with a time
+  std::size_t before = count;  // the previous frame with a time
   for (std::size_t i = 0; i < std::min(count, lines.size()); ++i) {
     if (!lines[i]) continue;
-    // Before the first one, and from it on if there is no other, in KITTI's rhythm.
+    // Before the first known time, and after it if there is no other, frames have KITTI's period.
     const bool is_first = before == count;
     const std::int64_t step =
         is_first ? kFrame_ns : (*lines[i] - *lines[before]) / static_cast<std::int64_t>(i - before);
@@ -135,7 +135,7 @@ std::vector<std::int64_t> read_times(Recorder& recorder, const char* name, std::
   return times;
 }
 
-/// Of a sweep, by frame.
+/// Start and end of a sweep, by frame.
 struct SweepNs {
   std::vector<std::int64_t> start, forward, end;
 };
@@ -154,8 +154,8 @@ SweepNs read_sweep_times(Recorder& velodyne, std::size_t count) {
   return times;
 }
 
-/// Where more time passed between two frames that follow each other than the others have between them: the
-/// places in `present` behind it.
+/// Returns the indices in `present` after gaps in time that are longer than those between other consecutive
+/// frames.
 std::vector<std::size_t> jumps_of(const Recorder& recorder, const std::vector<std::int64_t>& times) {
   constexpr std::int64_t kMost_ns = 500'000'000;
   const std::vector<std::size_t>& frames = recorder.present;
@@ -176,7 +176,7 @@ std::vector<std::size_t> jumps_of(const Recorder& recorder, const std::vector<st
   return jumps;
 }
 
-/// Seconds of a turn, on average. What passed in jumps are no turns.
+/// Returns the mean sweep period in s, without the gaps.
 double revolution_s(const Recorder& velodyne, const SweepNs& times) {
   const std::vector<std::size_t>& frames = velodyne.present;
   std::int64_t ns = times.end[frames.back()] - times.start[frames.front()];
@@ -201,7 +201,7 @@ std::vector<Recorder> cameras_of(const KittiOptions& options, const fs::path& dr
   return cameras;
 }
 
-/// What lies beside the drive's own recordings comes in archives of its own, and is forgotten.
+/// Calibration is distributed in separate archives that users may forget.
 void need_calibration(const fs::path& date_folder, bool from_oxts, const fs::path& drive) {
   if (from_oxts && !is_there(drive / "oxts")) {
     throw_input_error((drive / "oxts").string(),
@@ -221,10 +221,8 @@ void need_calibration(const fs::path& date_folder, bool from_oxts, const fs::pat
 
 }  // namespace
 
-Log import_kitti(const KittiOptions& options,
-                 const FrameProgress& progress,
-                 KittiReport* report) {
-  // "drive", "./drive/" and "." all have a name and a parent once they are absolute.
+Log import_kitti(const KittiOptions& options, const FrameProgress& progress, KittiReport* report) {
+  // Absolute, so that "drive", "./drive/" and "." all have a name and a parent.
   const fs::path absolute = (fs::current_path() / options.drive).lexically_normal();
   const fs::path drive = absolute.has_filename() ? absolute : absolute.parent_path();
   std::vector<Recorder> recorders = cameras_of(options, drive);

@@ -38,7 +38,7 @@ class CalibrationFile {
     return r;
   }
 
-  /// The rigid transform of the keys R and T.
+  /// Returns the rigid transform of the keys R and T.
   [[nodiscard]] Pose transform() const {
     Eigen::Matrix<double, 3, 4> m;
     m.leftCols<3>() = rotation("R");
@@ -61,7 +61,7 @@ int whole_pixels(double size, const std::string& file, const std::string& key) {
   return static_cast<int>(size);
 }
 
-/// The camera "image_NN", and the rig where the velodyne is.
+/// Returns the camera "image_NN"; the rig's frame is the velodyne's.
 LogCamera read_camera(const CalibrationFile& file, const std::string& name, const Pose& rect00_from_velo) {
   const std::string number = name.substr(name.find('_') + 1);
   const std::string size_key = "S_rect_" + number, matrix_key = "P_rect_" + number;
@@ -81,7 +81,7 @@ LogCamera read_camera(const CalibrationFile& file, const std::string& name, cons
   camera.cx = p[2] + 0.5;
   camera.cy = p[6] + 0.5;
   validate(camera, file.name());
-  // P_rect = K [1 | t]: the camera's centre stands t off the rectified frame of camera 0.
+  // P_rect = K [1 | t]: the camera's centre is offset by t from the rectified frame of camera 0.
   Pose camera_from_velo = rect00_from_velo;
   camera_from_velo.translation +=
       Eigen::Vector3d((p[3] - p[2] * p[11]) / p[0], (p[7] - p[6] * p[11]) / p[5], p[11]);

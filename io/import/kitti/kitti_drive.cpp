@@ -1,4 +1,4 @@
-// The sensor of a drive, as its sweeps tell it, and its sweeps.
+// Estimation of a drive's LiDAR from its sweeps, and reading of sweeps.
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -15,9 +15,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// More points than this outside every beam mean another sensor or a damaged file.
+/// A larger share of points on no beam indicates another sensor or a damaged file.
 constexpr double kMostUnplaced = 0.005;
-/// A turn has 4 % more or fewer firings than the sensor's own number at most (8 to 12 Hz are far off).
+/// Largest relative deviation of the firings per revolution from the nominal number (8 and 12 Hz are far
+/// outside).
 constexpr double kColumnMargin = 0.04;
 
 BeamPoints read_beams(const fs::path& file, const Lidar& lidar, std::size_t& points) {
@@ -71,7 +72,7 @@ Lidar fit_lidar(const std::vector<fs::path>& files, Lidar lidar, KittiReport& re
   lidar.name = "velodyne";
   const int nominal = lidar.columns;
   double most_in_a_row = 0.0;
-  std::vector<double> firings;  // per turn, of the sweeps that have enough points to tell
+  std::vector<double> firings;  // per revolution, of sweeps with enough points
   for (const fs::path& file : files) {
     std::size_t points = 0;
     const BeamPoints beams = read_beams(file, lidar, points);
@@ -98,7 +99,7 @@ Lidar fit_lidar(const std::vector<fs::path>& files, Lidar lidar, KittiReport& re
   }
   std::nth_element(
       firings.begin(), firings.begin() + static_cast<std::ptrdiff_t>(firings.size() / 2), firings.end());
-  // Too few points to tell: the sensor's own number.
+  // The nominal number if there are too few points.
   const double typical = firings.empty() ? nominal : std::round(firings[firings.size() / 2]);
   const double columns = std::max(typical, most_in_a_row);
   if (!(std::abs(columns - nominal) <= nominal * kColumnMargin)) {

@@ -32,7 +32,7 @@ GeodeticPose read_record(const fs::path& file) {
   return {v[0] * kRadPerDeg, v[1] * kRadPerDeg, v[2], v[3], v[4], v[5]};
 }
 
-/// world_from_velo of one entry of a pose file.
+/// Returns world_from_velo of one entry of a pose file.
 Pose read_world_from_velo(JsonObject& object) {
   const std::string key = "world_from_velo";
   const auto refuse = [&](const std::string& found) {
@@ -106,7 +106,7 @@ Trajectory read_oxts(const fs::path& drive,
   Pose world_from_ecef;
   for (std::size_t i = beside.first; i < times_ns.size() && i <= beside.last; ++i) {
     const fs::path record = drive / "oxts" / "data" / fmt::format("{:010}.txt", i);
-    // Records beside the frames only continue the path: it ends where the first is missing.
+    // Records around the frames only extend the trajectory; it ends at the first missing one.
     std::error_code failed;
     const bool is_record = fs::exists(record, failed);
     if (!frames.has(i) && !is_record) {
@@ -115,7 +115,7 @@ Trajectory read_oxts(const fs::path& drive,
       continue;
     }
     if (!is_record) absent.push_back(i);
-    if (!is_record || !times_ns[i]) continue;  // lost: the path goes on between its neighbours
+    if (!is_record || !times_ns[i]) continue;  // lost; the trajectory is interpolated
     const Pose ecef_from_velo = ecef_from_imu(read_record(record)) * imu_from_velo;
     if (poses.empty()) world_from_ecef = ecef_from_velo.inverse();
     poses.push_back({static_cast<double>(*times_ns[i] - start_ns) * 1e-9, world_from_ecef * ecef_from_velo});
@@ -134,7 +134,8 @@ Trajectory read_pose_file(const fs::path& file,
                           std::int64_t start_ns,
                           const Frames& frames) {
   constexpr std::int64_t kDay_ns = 86'400'000'000'000;
-  constexpr std::int64_t kLargestMismatch_ns = 1'000'000'000;  // less than a frame file of another drive has
+  // smaller than that of a pose file of another drive
+  constexpr std::int64_t kLargestMismatch_ns = 1'000'000'000;
   const auto entries = read_json_text(read_file(file), file.string(), [&](JsonObject& root) {
     root.ignore_other_keys();
     return root.objects("frames", [&](JsonObject& frame) {

@@ -1,5 +1,5 @@
-// Rebuilds the firing grid of a sweep. The recorded files list returns alone; the rays that returned
-// nothing are what ray drop is learned from.
+// Reconstruction of a sweep's firing grid. The recorded files contain returns only; training of ray drop needs
+// the rays without return.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -17,21 +17,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Beams of the HDL-64E are 4 to 13 mrad apart, points lie within 0.4 mrad of theirs.
+/// Beams of the HDL-64E are 4 to 13 mrad apart; points are within 0.4 mrad of their beam.
 constexpr double kElevationTolerance_rad = 2e-3;
-/// A point nearer than this is no echo: its direction is noise.
+/// Closer points are not echoes: their direction is noise.
 constexpr double kNearest_m = 0.1;
 
 double azimuth_of(const Eigen::Vector3d& p) { return std::atan2(p.y(), p.x()); }
 
-/// Azimuth of the row's ray through p: it passes the spin axis horizontal_offset to the left.
+/// Returns the azimuth of the beam's ray through p, which passes horizontal_offset to the left of the spin
+/// axis.
 double beam_azimuth(const LidarRow& row, const Eigen::Vector3d& p) {
   const double axis_distance = std::hypot(p.x(), p.y());
   if (row.horizontal_offset == 0.0 || !(axis_distance > 0.0)) return azimuth_of(p);
   return azimuth_of(p) - std::asin(std::clamp(row.horizontal_offset / axis_distance, -1.0, 1.0));
 }
 
-/// Elevation of a point seen from where the beam passes the spin axis.
+/// Returns the elevation of a point as seen from the beam's intersection with the spin axis.
 double elevation_from(const LidarRow& row, const Eigen::Vector3d& p) {
   const double side = row.horizontal_offset;
   const double along = std::sqrt(std::max(0.0, p.head<2>().squaredNorm() - side * side));
@@ -51,8 +52,8 @@ std::vector<BeamLine> beam_lines(const Lidar& lidar) {
   return lines;
 }
 
-/// The beam nearest in elevation, or -1 when none is near. The offset of a point from the beam's line over
-/// its range is the sine of the angle between them: no atan2 for each of 64 beams and 6 million points.
+/// Returns the beam nearest in elevation, or -1 if none is near. The distance of a point from the beam's line
+/// divided by its range is the sine of the angle between them, which avoids an atan2 per beam and point.
 int nearest_row(const std::vector<BeamLine>& lines, const Eigen::Vector3d& p) {
   const double axis_distance = std::hypot(p.x(), p.y());
   const double range = p.norm();
@@ -71,7 +72,7 @@ int nearest_row(const std::vector<BeamLine>& lines, const Eigen::Vector3d& p) {
   return best;
 }
 
-/// Most frequent row >= 0 of rows [first, last), -1 without one.
+/// Returns the most frequent row >= 0 of rows [first, last), -1 without one.
 int majority(const std::vector<int>& rows, std::size_t first, std::size_t last, int row_count) {
   std::vector<int> votes(static_cast<std::size_t>(row_count));
   for (std::size_t i = first; i < last; ++i) {
@@ -119,7 +120,8 @@ BeamPoints sort_into_beams(const std::vector<Point>& points, const Lidar& lidar)
   double last_turn = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     row_of[i] = nearest_row(lines, points[i].position);
-    // A ring runs counter-clockwise from 0 to 2 pi; the next one begins where the azimuth falls back.
+    // The points of a ring are counter-clockwise from 0 to 2 pi; the next ring begins where the azimuth
+    // decreases.
     const double azimuth = azimuth_of(points[i].position);
     const double turn = azimuth < 0.0 ? azimuth + 2.0 * kPi : azimuth;
     if (turn < last_turn - kPi) ring_starts.push_back(i);
@@ -150,7 +152,8 @@ BeamPoints sort_into_beams(const std::vector<Point>& points, const Lidar& lidar)
 }
 
 double estimate_columns(const BeamPoints& beams, const Lidar& lidar) {
-  constexpr std::size_t kFewest = 1000;  // the mean step is then known to 1 %: 0.3 of a step / sqrt(1000)
+  // number for which the mean step has an error of 1 %: 0.3 of a step / sqrt(1000)
+  constexpr std::size_t kFewest = 1000;
   const double nominal_step = lidar.azimuth_span / lidar.columns;
   double sum = 0.0;
   std::size_t count = 0;
@@ -159,8 +162,8 @@ double estimate_columns(const BeamPoints& beams, const Lidar& lidar) {
     for (std::size_t i = 1; i < row.size(); ++i) {
       const double step =
           beam_azimuth(lidar.rows[r], row[i - 1].position) - beam_azimuth(lidar.rows[r], row[i].position);
-      // The encoder rounds to 0.09 degree: single firings are 0.54 or 1.08 of the mean step apart. Longer
-      // steps hold firings without a return, shorter ones are echoes of one firing's neighbours.
+      // The encoder rounds to 0.09 degree: consecutive firings are 0.54 or 1.08 of the mean step apart. Larger
+      // steps contain firings without return, smaller steps are echoes of one firing.
       if (!(step > 0.4 * nominal_step && step < 1.5 * nominal_step)) continue;
       sum += step;
       ++count;
@@ -175,8 +178,8 @@ std::vector<int> assign_columns(const std::vector<double>& azimuths_rad, int col
     throw_input_error(
         "sweep", "points of one beam", std::to_string(count), fmt::format("at most {}", columns));
   }
-  // Columns c_i strictly increase exactly when c_i - i never falls: an isotonic regression of the ideal
-  // columns minus i, solved by pooling neighbours that violate the order.
+  // Columns c_i strictly increase exactly if c_i - i never decreases: an isotonic regression of the ideal
+  // columns minus i, solved by pooling adjacent violators.
   struct Pool {
     double sum;
     int count;
@@ -213,7 +216,7 @@ Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar) {
   const auto columns = static_cast<std::size_t>(lidar.columns);
   for (std::size_t r = 0; r < beams.rows.size(); ++r) {
     const std::vector<Point>& points = beams.rows[r];
-    if (points.empty()) continue;  // the whole turn is nominal
+    if (points.empty()) continue;  // the whole revolution is nominal
     const LidarRow& row = lidar.rows[r];
     std::vector<double> azimuths;
     azimuths.reserve(points.size());
@@ -226,7 +229,7 @@ Sweep make_sweep(const BeamPoints& beams, const Lidar& lidar) {
       sweep.rays.azimuth[ray] = static_cast<float>(azimuth);
       sweep.rays.time_fraction[ray] = static_cast<float>((kPi - azimuth) / (2.0 * kPi) + late);
     };
-    // The sweep's own ends, half a step outside the first and the last column, close the outer gaps.
+    // The sweep's ends, half a step outside the first and the last column, close the outer gaps.
     double before_column = -0.5;
     double before_azimuth = kPi;
     for (std::size_t i = 0; i <= points.size(); ++i) {

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLargestText_bytes = std::size_t{64} << 20U;
 
-/// A field of digits alone.
+/// Parses a field of digits.
 bool parse_digits(std::string_view text, int& value) {
   for (const char c : text) {
     if (c < '0' || c > '9') return false;
@@ -50,7 +50,7 @@ bool parse_timestamp(std::string_view text, std::int64_t& ns) {
     if (!parse_digits(nine_digits, fraction_ns)) return false;
   }
   const year_month_day date{year(y), month(static_cast<unsigned>(mo)), day(static_cast<unsigned>(d))};
-  // int64 nanoseconds end in 2262; no log is that old or young.
+  // int64 nanoseconds end in 2262; no log has such a date.
   if (!date.ok() || y < 1900 || y > 2200 || h > 23 || mi > 59 || s > 59) return false;
   const nanoseconds since_1970 =
       sys_days(date).time_since_epoch() + hours(h) + minutes(mi) + seconds(s) + nanoseconds(fraction_ns);
@@ -89,8 +89,7 @@ std::vector<std::optional<std::int64_t>> read_lines_ns(const fs::path& file) {
 
 std::vector<std::size_t> take_disordered(std::vector<std::optional<std::int64_t>>& times_ns) {
   constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  // Of the rising sequences of each length, where the one with the earliest end ends; what goes before each
-  // time.
+  // For each length, the increasing sequence with the smallest last time; and the predecessor of each time.
   std::vector<std::size_t> ends, before(times_ns.size(), kNone);
   for (std::size_t i = 0; i < times_ns.size(); ++i) {
     if (!times_ns[i]) continue;

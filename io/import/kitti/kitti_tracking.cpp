@@ -1,4 +1,4 @@
-// Boxes of the KITTI tracking benchmark -> actors.
+// Boxes of the KITTI tracking benchmark as actors.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 /// frame, track id, type, truncated, occluded, alpha, left, top, right, bottom, height, width, length, x, y,
 /// z, rotation_y (development kit of the benchmark).
 constexpr std::size_t kColumns = 17;
-constexpr int kNumbersFrom = 3;  // columns behind the type
+constexpr int kNumbersFrom = 3;  // index of the first number, after the type
 
 struct Label {
   int frame = 0;
@@ -51,7 +51,8 @@ Label parse_label(const std::string& line, const fs::path& file, const std::stri
   label.track = parse_index(head[1], file, where + ": track id");
   label.type = head[2];
   label.size_m = {v[9], v[8], v[7]};
-  // x of the box is its length, turned about the camera's y (down); the labelled point is under its middle.
+  // The x axis of the box is its length, rotated about the camera's y (down); the labelled point is the bottom
+  // centre.
   const double yaw = v[13];
   Eigen::Matrix<double, 3, 4> rect00_from_box;
   rect00_from_box.col(0) << std::cos(yaw), 0.0, -std::sin(yaw);
@@ -62,7 +63,7 @@ Label parse_label(const std::string& line, const fs::path& file, const std::stri
   return label;
 }
 
-/// When the spin, clockwise from behind, passes the box's middle.
+/// Returns the time at which the LiDAR, clockwise from behind, scans the box's centre.
 double time_met(const Eigen::Vector3d& p_velo, double start_s, double end_s) {
   const double azimuth = std::atan2(p_velo.y(), p_velo.x());
   return start_s + (std::numbers::pi - azimuth) / (2.0 * std::numbers::pi) * (end_s - start_s);
@@ -79,7 +80,7 @@ std::vector<Actor> read_tracking(const fs::path& file,
   for (const auto& [number, line] : numbered_lines(file)) {
     const std::string where = fmt::format("line {}", number);
     Label label = parse_label(line, file, where);
-    // The number of the frame among the sweeps; before the first it is beyond the last.
+    // Index of the frame among the sweeps; frames before the first wrap to a large number.
     const std::size_t frame = static_cast<std::size_t>(label.frame) - sweeps.first;
     if (label.type == "DontCare" || frame >= sweeps.start_s.size()) continue;
     const Pose velo_from_box = velo_from_rect00 * label.rect00_from_box;

@@ -22,8 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using namespace kitti360;
 
-constexpr double kRevolution_s = 0.1;           // of the sensor, where the frames beside are not there
-constexpr double kMostPastPath_s = 0.15;  // half a turn more is what a trajectory can be continued by
+constexpr double kRevolution_s = 0.1;     // of the sensor, if the neighbouring frames are missing
+constexpr double kMostPastPath_s = 0.15;  // half a sweep more than the limit of extrapolation
 
 /// A picture or a sweep.
 struct Recording {
@@ -47,7 +47,7 @@ std::string find_sequence(const Kitti360Options& options) {
                     found.empty() ? "at least one" : "one of them as --sequence");
 }
 
-/// Of every frame: a blank line would make all after it another frame's.
+/// Requires a time for every frame: a blank line would shift the times of later frames.
 std::vector<std::int64_t> read_times(const fs::path& file) {
   std::vector<std::int64_t> times = kitti::read_timestamps_ns(file);
   const auto lines = kitti::numbered_lines(file);
@@ -55,7 +55,7 @@ std::vector<std::int64_t> read_times(const fs::path& file) {
   throw_input_error(file.string(), "lines", lines.empty() ? "none" : "blank ones", "a time in each");
 }
 
-/// Where the pictures of the cameras are that are there.
+/// Returns the existing camera folders.
 std::vector<std::pair<std::string, fs::path>> find_cameras(const fs::path& pictures) {
   std::vector<std::pair<std::string, fs::path>> found;
   std::error_code ignored;
@@ -82,7 +82,7 @@ class Sequence {
     start_ns_ = velodyne_ns_[options.first];
   }
 
-  /// world_from_velo around the frames, world being the velodyne's frame at the first.
+  /// Returns world_from_velo around the frames; the world frame is the velodyne's at the first pose.
   [[nodiscard]] Trajectory path(const Pose& imu_from_velo) const {
     constexpr std::size_t kMargin = 2;
     const fs::path file = options_.root / "data_poses" / name_ / "poses.txt";
@@ -121,7 +121,7 @@ class Sequence {
   [[nodiscard]] fs::path points() const { return options_.root / "data_3d_raw" / name_ / "velodyne_points"; }
   [[nodiscard]] double seconds(std::int64_t ns) const { return static_cast<double>(ns - start_ns_) * 1e-9; }
 
-  /// The frames' files that are there and near enough to a pose.
+  /// Returns the existing files of the frames that are close enough to a pose.
   [[nodiscard]] std::vector<Recording> present(const fs::path& folder,
                                                const char* ending,
                                                const Trajectory& path,
@@ -154,9 +154,7 @@ class Sequence {
 
 }  // namespace
 
-Log import_kitti360(const Kitti360Options& options,
-                    const FrameProgress& progress,
-                    Kitti360Report& report) {
+Log import_kitti360(const Kitti360Options& options, const FrameProgress& progress, Kitti360Report& report) {
   const Sequence sequence(options, report);
   const auto cameras = sequence.cameras();
   std::vector<std::string> names;
@@ -179,8 +177,9 @@ Log import_kitti360(const Kitti360Options& options,
   if (!sweeps.empty()) {
     std::vector<fs::path> files;
     for (const Recording& sweep : sweeps) files.push_back(sweep.file);
-    log.lidars = {{kitti::fit_lidar(files, kitti::read_beam_table(options.lidar, kRevolution_s), report.points),
-                   Pose{}}};  // the rig's frame is the velodyne's
+    log.lidars = {
+        {kitti::fit_lidar(files, kitti::read_beam_table(options.lidar, kRevolution_s), report.points),
+         Pose{}}};  // the rig's frame is the velodyne's
   }
 
   return make_import(options.output, log, [&] {

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using kitti::parse_numbers;
 
-/// "key: values" of a file, with the file's name for messages.
+/// "key: values" lines of a file, with the file's name for messages.
 class Keys {
  public:
   Keys(fs::path file, std::map<std::string, std::string> values)
@@ -58,12 +58,12 @@ std::string without_blanks(const std::string& text) {
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\"") - first + 1);
 }
 
-/// All "key: value" of all levels: no key of these files stands twice.
+/// Reads "key: value" of all levels: keys of these files are unique.
 Keys read_yaml(const fs::path& file) {
   std::map<std::string, std::string> values;
   for (const auto& [number, line] : kitti::numbered_lines(file)) {
     const std::size_t colon = line.find(':');
-    if (colon == std::string::npos || line.front() == '%') continue;  // --- and %YAML:1.0
+    if (colon == std::string::npos || line.front() == '%') continue;  // lines --- and %YAML:1.0
     const std::string key = without_blanks(line.substr(0, colon));
     if (!values.emplace(key, without_blanks(line.substr(colon + 1))).second) {
       throw_input_error(file.string(), fmt::format("line {}", number), key + " twice", "each key once");
@@ -72,7 +72,7 @@ Keys read_yaml(const fs::path& file) {
   return {file, std::move(values)};
 }
 
-/// A rectified camera: its own K of P_rect; the pair's baseline stands in the mountings.
+/// Returns a rectified camera with its own K of P_rect; its mounting includes the pair's baseline.
 Camera read_perspective(const Keys& keys, const std::string& name) {
   const std::string number = name.substr(name.size() - 2);
   const std::vector<double> size = keys.numbers("S_rect_" + number, 2);
@@ -83,7 +83,7 @@ Camera read_perspective(const Keys& keys, const std::string& name) {
   c.height = keys.pixels("S_rect_" + number, size[1]);
   c.fx = p[0];
   c.fy = p[5];
-  c.cx = p[2] + 0.5;  // they count from the centre of the first pixel
+  c.cx = p[2] + 0.5;  // principal points are relative to the centre of the first pixel
   c.cy = p[6] + 0.5;
   validate(c, keys.name());
   return c;

@@ -125,13 +125,13 @@ Box read_box(JsonObject& b) {
   return out;
 }
 
-/// The rotation of which these angles were made, where they are of the one that is told.
+/// Returns the stored exact rotation if the Euler angles are its rounded form.
 Eigen::Quaterniond exact_rotation(const Box& box, const Json& ours, std::size_t i) {
   const Eigen::Quaterniond rotation = rotation_of_euler(box.euler);
   const auto all = ours.find("rotations_wxyz");
   if (all == ours.end() || !all->is_array() || i >= all->size()) return rotation;
   const auto exact = rotation_from((*all)[i]);
-  constexpr double kRounding_rad = 1e-7;  // of angles near straight up
+  constexpr double kRounding_rad = 1e-7;  // for angles near gimbal lock
   return exact && exact->angularDistance(rotation) < kRounding_rad ? *exact : rotation;
 }
 
@@ -171,7 +171,7 @@ std::vector<Actor> actors_of(const Sequence& sequence,
       }
       KeyPose key;
       key.time_s = times_s[i];
-      // A product would round what stands in the world already.
+      // A product would round poses in world coordinates.
       key.world_from_actor = box.frame == world ? frame_from_box : world_from_frame * frame_from_box;
       tracks.add(box.id, box.kind, key, box.size, box.id.empty() ? "track" : name_from(box.id));
     }

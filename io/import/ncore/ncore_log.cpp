@@ -40,8 +40,8 @@ class Importer {
       const std::size_t count = sequence_.instances(kind).size();
       if (count > 0) report_.notes.push_back(fmt::format("left out: {} {}", count, kind));
     }
-    log_.actors = actors_of(
-        sequence_, path_, options.world_frame, options.rig_frame, report_.unposed, report_.labels);
+    log_.actors =
+        actors_of(sequence_, path_, options.world_frame, options.rig_frame, report_.unposed, report_.labels);
   }
 
   Log write(const FrameProgress& progress) {
@@ -70,7 +70,7 @@ class Importer {
     report_.notes.push_back(fmt::format("left out: {}: {}", what, why));
   }
 
-  /// Where a sensor is, from what export_ncore() has left where that is what the file says.
+  /// Returns a sensor's mounting, as stored by export_ncore() if it agrees with the file's.
   template <class Sensor>
   [[nodiscard]] bool mount(const std::string& name,
                            Pose& rig_from_sensor,
@@ -85,7 +85,7 @@ class Importer {
     return true;
   }
 
-  /// The sensor that export_ncore() has left at a component; damage there is no matter.
+  /// Returns the sensor that export_ncore() stored at a component; ignores damaged data.
   template <class Read>
   [[nodiscard]] auto left_sensor(const ZarrGroup& at, const Read& read) const
       -> std::optional<decltype(read(std::declval<JsonObject&>()))> {
@@ -152,7 +152,7 @@ class Importer {
     log_.lidars.push_back(std::move(lidar));
   }
 
-  /// Times of a frame in the log; false when it lies beside the path.
+  /// Returns the times of a frame in the log; false for times outside the trajectory.
   bool span(const ZarrGroup& frame, const FrameTime& time, FrameSpan& out) {
     const Json meta = (frame / "generic_data").attributes();
     const auto ours = meta.find("simuli");
@@ -225,7 +225,7 @@ class Importer {
         model.range_max));
   }
 
-  /// By the rows of a table: rays that name no element of it.
+  /// Assigns rays without element indices to the beams of a table.
   Sweep placed(const RayBundle& rays, const FrameTime& time, const Lidar& table) {
     std::vector<MeasuredPoint> points;
     const auto duration = static_cast<double>(time.end_us - time.start_us);
@@ -269,9 +269,7 @@ class Importer {
 
 }  // namespace
 
-Log import_ncore(const NcoreOptions& options,
-                 const FrameProgress& progress,
-                 NcoreReport& report) {
+Log import_ncore(const NcoreOptions& options, const FrameProgress& progress, NcoreReport& report) {
   return Importer(options, report).write(progress);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Drives in NCore, NVIDIA's format (version 4): what its converters make of the Waymo Open Dataset, nuScenes,
-// PhysicalAI-AV and others, and what export_ncore() writes.
+// Import of drives in NCore, NVIDIA's format (version 4), as written by its converters for the Waymo Open
+// Dataset, nuScenes, PhysicalAI-AV and others, and by export_ncore().
 #include <cstddef>
 #include <filesystem>
 #include <map>
@@ -15,28 +15,26 @@
 namespace simuli {
 
 struct NcoreOptions {
-  /// A .zarr folder, a .zarr.itar, a folder of several of one sequence, or the .json that lists them.
+  /// A .zarr folder, a .zarr.itar, a folder of several of them of one sequence, or the .json that lists them.
   std::filesystem::path sequence;
   std::filesystem::path output;
-  std::vector<std::string> cameras, lidars;  // of all these; empty: all
-  std::map<std::string, Lidar> tables;       // of LiDARs by name, instead of the file's
+  std::vector<std::string> cameras, lidars;  // empty: all
+  std::map<std::string, Lidar> tables;       // tables of LiDARs by name, which replace the file's
   std::string rig_frame = "rig", world_frame = "world";
 };
 
 struct NcoreReport {
-  PointReport points;                  // of LiDARs whose rays are placed by tables
+  PointReport points;                  // of LiDARs with tables
   std::size_t rays = 0, returned = 0;  // of all sweeps
-  std::size_t twice = 0;               // rays that name an element that another one has; left out
+  std::size_t twice = 0;               // rays with an element that another ray has; left out
   std::size_t echoes = 0;              // further returns of a ray; left out
-  std::size_t unposed = 0;             // frames and boxes beside the path; left out
+  std::size_t unposed = 0;             // frames and boxes outside the trajectory; left out
   LabelReport labels;
-  std::vector<std::string> notes;      // what was taken for what, and what was left out
+  std::vector<std::string> notes;  // interpretation of the data, and parts left out
 };
 
-/// Error{kInput} naming store, group and field for what is damaged or can't be read, and for a sequence
-/// without a path of the rig. Error{kUsage} for options of sensors that it has not.
-Log import_ncore(const NcoreOptions& options,
-                 const FrameProgress& progress,
-                 NcoreReport& report);
+/// Throws Error{kInput} naming store, group and field for damaged or unsupported data, and for a sequence
+/// without a trajectory of the rig. Throws Error{kUsage} for options of unknown sensors.
+Log import_ncore(const NcoreOptions& options, const FrameProgress& progress, NcoreReport& report);
 
 }  // namespace simuli

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::int64_t kLatest_us = 4'000'000'000'000'000;  // 2096
 
-/// Times of 64 bits in nanoseconds are enough for them.
+/// Parses a time stamp that 64-bit nanoseconds can represent.
 std::uint64_t stamp_of(const Json& value, const std::string& file, const std::string& field) {
   if (value.is_number_unsigned() && value.get<std::uint64_t>() <= static_cast<std::uint64_t>(kLatest_us))
     return value.get<std::uint64_t>();
@@ -223,7 +223,7 @@ Sequence::Path Sequence::path(const std::string& world, const std::string& rig) 
     Pose pose = stamped[i].pose;
     if (rotations != ours.end() && rotations->is_array() && rotations->size() == stamped.size()) {
       const auto exact = rotation_from((*rotations)[i]);
-      // The one of which the matrix was made, which is what its own nearest rotation is but for rounding.
+      // Returns the stored rotation: the nearest rotation of the matrix, except for rounding.
       constexpr double kRounding = 1e-12;
       if (exact && (exact->coeffs() - pose.rotation.coeffs()).norm() < kRounding) pose.rotation = *exact;
       if (exact && (exact->coeffs() + pose.rotation.coeffs()).norm() < kRounding) pose.rotation = *exact;

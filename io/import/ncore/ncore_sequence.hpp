@@ -1,5 +1,5 @@
 #pragma once
-// The stores of one NCore sequence and what they hold. For io/import/ncore/*.cpp and tests.
+// The stores of an NCore sequence and their content, for io/import/ncore/*.cpp and tests.
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -28,37 +28,39 @@ struct ZarrGroup {
   [[nodiscard]] bool is_there() const { return is_group(*store, path) || is_array(*store, path); }
 };
 
-/// What export_ncore() has left at a component: an object, empty where there is nothing of it.
+/// Returns the data of export_ncore() at a component: an object, possibly empty.
 [[nodiscard]] Json ours_of(const Json& attributes);
 
 class Sequence {
  public:
-  /// Opens what `path` names. Error{kInput} for stores that are none of NCore 4, or of several sequences.
+  /// Opens the stores of `path`. Throws Error{kInput} for stores that are not NCore 4, and for several
+  /// sequences.
   explicit Sequence(const std::filesystem::path& path);
-  /// Of one store. Errors as above.
+  /// Opens one store. Errors as above.
   explicit Sequence(std::unique_ptr<const ZarrStore> store);
 
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] const std::string& id() const { return id_; }
-  /// Instances of a kind ("cameras"), by name. Error{kInput} for one that is there twice.
+  /// Returns the instances of a kind ("cameras") by name. Throws Error{kInput} for a repeated name.
   [[nodiscard]] const std::map<std::string, ZarrGroup>& instances(const std::string& kind) const;
-  /// Times of the frames of a sensor, in time's order.
+  /// Returns a sensor's frames in time order.
   [[nodiscard]] static std::vector<FrameTime> frames(const ZarrGroup& sensor);
-  /// The first component of a kind that has this group.
+  /// Returns the first component of a kind with this group.
   [[nodiscard]] std::optional<ZarrGroup> find(const std::string& kind, const std::string& group) const;
 
   [[nodiscard]] const PoseTable& poses() const { return poses_; }
   [[nodiscard]] const Clock& clock() const { return clock_; }
-  /// Seconds of stamps; what stands beside them as "time_ns" where a stamp is that, rounded.
+  /// Converts stamps to seconds, or returns the exact "time_ns" stored beside them if the stamp is its rounded
+  /// form.
   [[nodiscard]] std::vector<double> times_of(const std::vector<std::uint64_t>& stamps,
                                              const Json& ours) const;
-  /// As export_ncore() has found them; others behind, by name.
+  /// Returns the names in the order stored by export_ncore(), followed by the others in alphabetical order.
   [[nodiscard]] std::vector<std::string> in_order(const std::string& kind) const;
 
-  /// The path of the rig, where it was told to begin and end. Error{kInput} where there is none.
+  /// The rig's trajectory with its stored begin and end. Throws Error{kInput} if there is none.
   struct Path {
     Trajectory trajectory;
-    double first_s = 0.0, last_s = 0.0;  // what it covers, beyond its ends, too
+    double first_s = 0.0, last_s = 0.0;  // valid times, also beyond the first and last pose
   };
   [[nodiscard]] Path path(const std::string& world, const std::string& rig) const;
 
@@ -75,8 +77,8 @@ class Sequence {
   Clock clock_;
 };
 
-/// Boxes of a sequence as actors, by id in the order of the file. Adds to `unposed` what lies beside the
-/// path.
+/// Returns the boxes of a sequence as actors, by id in file order. Adds the number of boxes outside the
+/// trajectory to `unposed`.
 [[nodiscard]] std::vector<Actor> actors_of(const Sequence& sequence,
                                            const Sequence::Path& path,
                                            const std::string& world,
@@ -84,12 +86,12 @@ class Sequence {
                                            std::size_t& unposed,
                                            LabelReport& report);
 
-/// Rays of a LiDAR's frame, of several returns the first; the others are counted in `echoes`.
+/// Returns the rays of a LiDAR's frame with their first returns; `echoes` counts further returns.
 [[nodiscard]] RayBundle read_rays(const ZarrGroup& frame, std::size_t& echoes);
-/// What of them was exact; empty where the frame doesn't tell.
+/// Returns the exact values of rays; empty if the frame has none.
 [[nodiscard]] Exact read_exact(const ZarrGroup& frame);
 
-/// A unit quaternion of four numbers; nothing for anything else.
+/// Returns a unit quaternion of four numbers; no value otherwise.
 [[nodiscard]] std::optional<Eigen::Quaterniond> rotation_from(const Json& wxyz);
 
 }  // namespace simuli::ncore

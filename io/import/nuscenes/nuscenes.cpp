@@ -26,11 +26,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kLidar = "LIDAR_TOP";
-// The back camera sees its vehicle in the lowest rows, which neurad-studio crops.
+// The lowest rows of the back camera show the ego vehicle; neurad-studio crops them.
 constexpr const char* kSeesVehicle = "CAM_BACK";
 constexpr double kVehicle = 80.0 / 900.0;
 
-/// A table: entries by token, each with the function that reads it.
+/// Reads a table: entries by token, each with the function `read`.
 template <class Read>
 void read_table(const fs::path& folder, const char* name, Read&& read) {
   const fs::path path = folder / (std::string(name) + ".json");
@@ -48,7 +48,7 @@ Pose pose_of(JsonObject& entry) {
   return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), entry.vector<3>("translation")};
 }
 
-/// The value under a token that another table names.
+/// Returns the value for a token that another table contains.
 template <class T>
 const T& linked(const std::map<std::string, T>& table, JsonObject& entry, const char* key) {
   const auto found = table.find(entry.text(key));
@@ -73,7 +73,7 @@ struct Recording {
 
 struct Tables {
   std::map<std::string, Mounted> mounted;  // by token of calibrated_sensor
-  std::vector<Recording> recordings;       // of the scene, by time
+  std::vector<Recording> recordings;       // of the scene, in time order
   std::vector<TimedPose> path;
   std::vector<Actor> actors;
   std::string scene;
@@ -85,7 +85,7 @@ fs::path table_folder(const NuscenesOptions& options) {
   std::vector<std::string> found;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(options.root, error)) {
-    // Links that lead round are there, too: reading them says so.
+    // Includes cyclic links, which are reported when they are read.
     if (is_there(entry.path() / "sample_data.json")) found.push_back(entry.path().filename().string());
   }
   std::sort(found.begin(), found.end());
@@ -96,7 +96,7 @@ fs::path table_folder(const NuscenesOptions& options) {
                     found.empty() ? "one such as v1.0-mini" : "one of them as --version");
 }
 
-/// The token of the scene asked for.
+/// Returns the token of the requested scene.
 std::string find_scene(const fs::path& folder, const NuscenesOptions& options, Tables& tables) {
   std::map<std::string, std::string> token_of;
   read_table(folder, "scene", [&](JsonObject& s) { token_of[s.text("name")] = s.text("token"); });
@@ -117,7 +117,7 @@ std::int64_t time_ns(JsonObject& entry) {
   return 1000 * entry.integer("timestamp", 0, kMost_us);
 }
 
-/// Boxes of the scene's samples, one actor per instance: "car_3" by the order of the table.
+/// Returns the boxes of the scene's samples, one actor per instance, named "car_3" in table order.
 std::vector<Actor> read_actors(const fs::path& folder,
                                const std::map<std::string, std::int64_t>& sample_ns,
                                std::int64_t start_ns,
@@ -131,7 +131,7 @@ std::vector<Actor> read_actors(const fs::path& folder,
   LabelTracks tracks;
   read_table(folder, "sample_annotation", [&](JsonObject& a) {
     const auto sample = sample_ns.find(a.text("sample_token"));
-    if (sample == sample_ns.end()) return;  // of another scene
+    if (sample == sample_ns.end()) return;             // of another scene
     const Eigen::Vector3d size = a.vector<3>("size");  // width, length, height
     tracks.add(a.text("instance_token"),
                linked(kind, a, "instance_token"),
@@ -166,7 +166,7 @@ Tables read_tables(const NuscenesOptions& options, LabelReport& labels) {
     }
     t.mounted[c.text("token")] = std::move(m);
   });
-  std::map<std::string, std::int64_t> pose_ns;  // of the ego poses that the scene needs
+  std::map<std::string, std::int64_t> pose_ns;  // of the required ego poses
   read_table(folder, "sample_data", [&](JsonObject& d) {
     if (!sample_ns.contains(d.text("sample_token"))) return;
     const Mounted& m = linked(t.mounted, d, "calibrated_sensor_token");
@@ -207,7 +207,7 @@ Camera camera_of(const Recording& r, const Mounted& m) {
   c.height = r.height;
   c.fx = m.intrinsic[0];
   c.fy = m.intrinsic[4];
-  c.cx = m.intrinsic[2] + 0.5;  // they count from the centre of the first pixel
+  c.cx = m.intrinsic[2] + 0.5;  // principal points are relative to the centre of the first pixel
   c.cy = m.intrinsic[5] + 0.5;
   validate(c, "calibrated_sensor.json");
   return c;
@@ -215,9 +215,7 @@ Camera camera_of(const Recording& r, const Mounted& m) {
 
 }  // namespace
 
-Log import_nuscenes(const NuscenesOptions& options,
-                    const FrameProgress& progress,
-                    NuscenesReport& report) {
+Log import_nuscenes(const NuscenesOptions& options, const FrameProgress& progress, NuscenesReport& report) {
   Tables t = read_tables(options, report.labels);
   Log log;
   log.name = name_from(t.scene);

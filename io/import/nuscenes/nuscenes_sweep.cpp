@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kBeams = 32;
 constexpr std::size_t kPoint_bytes = 20;
 constexpr std::size_t kFiring_bytes = kBeams * kPoint_bytes;
-constexpr double kNearest_m = 1.0F;    // of the sensor; what is nearer stands for no return
-constexpr double kMostOff_rad = 0.02;  // of a return's elevation from its beam's
+constexpr double kNearest_m = 1.0F;    // from the sensor; closer points mean no return
+constexpr double kMostOff_rad = 0.02;  // deviation of a return's elevation from its beam's
 
 std::array<float, 5> point_at(const std::string& bytes, std::size_t index) {
   static_assert(std::endian::native == std::endian::little, "the files are little endian");
@@ -38,11 +38,12 @@ std::size_t firings_of(std::uintmax_t bytes, const fs::path& file) {
 }
 
 struct Point {
-  Eigen::Vector3d position;  // m, in the sensor's frame when it was measured; zero: nothing returned
+  Eigen::Vector3d position;  // m, in the sensor's frame at the time of measurement; zero: no return
   float intensity = 0.0F;
 };
 
-/// [columns][32], back where they were measured: the files hold them as seen from the end of the turn.
+/// Returns [columns][32] points transformed to their time of measurement; files contain them in the frame at
+/// the sweep's end.
 std::vector<Point> points_of(const std::string& bytes,
                              const fs::path& file,
                              const Lidar& lidar,
@@ -67,7 +68,7 @@ std::vector<Point> points_of(const std::string& bytes,
       if (!(v[3] >= 0.0F && v[3] <= 255.0F)) refuse("intensity", v[3], "0 to 255");
       const Eigen::Vector3d p = own_from_end * Eigen::Vector3d(v[0], v[1], v[2]);
       const double elevation = std::atan2(p.z(), p.head<2>().norm());
-      // Farther off its beam than any calibration: an artefact, which hit nothing.
+      // An elevation error larger than any calibration's is an artefact without a return.
       const bool returned = p.norm() >= kNearest_m &&
                             std::abs(elevation - lidar.rows[kBeams - 1 - ring].elevation) <= kMostOff_rad;
       points.push_back({returned ? p : Eigen::Vector3d::Zero(), v[3] / 255.0F});
@@ -76,7 +77,7 @@ std::vector<Point> points_of(const std::string& bytes,
   return points;
 }
 
-/// Azimuth of a firing: the mean direction of its returns; NaN without any.
+/// Returns the mean azimuth of a firing's returns; NaN without any.
 double firing_azimuth(const std::vector<Point>& points, std::size_t firing) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (std::size_t ring = 0; ring < kBeams; ++ring) {
@@ -86,7 +87,7 @@ double firing_azimuth(const std::vector<Point>& points, std::size_t firing) {
   return sum.isZero() ? std::numeric_limits<double>::quiet_NaN() : std::atan2(sum.y(), sum.x());
 }
 
-/// Azimuths of all firings: where nothing returned, an even spin between neighbours.
+/// Returns the azimuths of all firings, interpolated uniformly where nothing returned.
 std::vector<double> azimuths_of(const std::vector<Point>& points, const Lidar& lidar) {
   std::vector<double> azimuths;
   std::size_t last = 0;
@@ -94,7 +95,7 @@ std::vector<double> azimuths_of(const std::vector<Point>& points, const Lidar& l
   for (int c = 0; c < lidar.columns; ++c) {
     const double nominal = lidar.azimuth(0, c);
     double a = firing_azimuth(points, static_cast<std::size_t>(c));
-    // The same turn as the nominal spin, so that the seam is no jump.
+    // The revolution nearest to the nominal azimuth, so that the seam causes no jump.
     if (std::isfinite(a)) a = nominal + std::remainder(a - nominal, 2.0 * std::numbers::pi);
     azimuths.push_back(a);
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Sweeps of nuScenes' HDL-32E. For io/import/nuscenes/nuscenes.cpp and tests.
+// Sweeps of nuScenes' HDL-32E, for io/import/nuscenes/nuscenes.cpp and tests.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace simuli::nuscenes {
 
-/// The sensor of these files, in the data set's frame (x right, y forward): the built-in beam table, and as
-/// many firings as all of them have; the one or two more that some have are not imported.
+/// Returns the sensor of these files in the data set's frame (x right, y forward): the built-in beam table with
+/// the number of firings that all files have; one or two further firings of some files are not imported.
 [[nodiscard]] Lidar lidar_of(const std::vector<std::filesystem::path>& files, const std::string& name);
 
-/// A file's firing grid: float32 x y z intensity ring, 32 beams a firing, the lowest first. The points are
-/// stored as seen from the end of the turn; `start_from_end`, how the sensor moved during it, takes that off.
-/// Error{kInput} for other sizes and rings, NaN, Inf.
+/// Reads a file's firing grid: float32 x y z intensity ring, 32 beams per firing, the lowest first. Points are
+/// stored in the frame at the sweep's end; `start_from_end`, the sensor's motion during the sweep, is
+/// compensated. Throws Error{kInput} for invalid sizes and rings, NaN, Inf.
 [[nodiscard]] Sweep read_turn(const std::filesystem::path& file,
                               const Lidar& lidar,
                               const Pose& start_from_end);

@@ -14,7 +14,7 @@
 namespace simuli::pandaset {
 namespace {
 
-/// What an array and a table are read from: values of a pickle, each asked for by what it must be.
+/// Reads arrays and tables from values of a pickle, with a check of each value's type.
 class Reader {
  public:
   explicit Reader(const Pickle& pickle) : pickle_(pickle) {}
@@ -25,7 +25,7 @@ class Reader {
     throw_input_error(pickle_.file(), field, found, allowed);
   }
 
-  /// The n-th child of a call, a tuple or a list.
+  /// Returns the n-th child of a call, a tuple or a list.
   [[nodiscard]] const PickleValue& child(const PickleValue& value, std::size_t n, const char* field) const {
     if (value.kind == PickleKind::kDict || n >= value.children.size())
       refuse(field, "fewer values", fmt::format("at least {}", n + 1));
@@ -63,7 +63,7 @@ class Reader {
     return out;
   }
 
-  /// The texts of an array of them.
+  /// Returns an array of texts.
   [[nodiscard]] std::vector<std::string> texts(const PickleValue& value) const {
     const PickledArray found = array(value);
     if (found.kind != 'O' || found.shape.size() != 1) refuse("columns", "no texts", "a list of names");
@@ -76,7 +76,7 @@ class Reader {
   }
 
  private:
-  /// pandas' arrays of text hold one of NumPy's.
+  /// Returns the NumPy array inside pandas' array of text.
   [[nodiscard]] const PickleValue& array_in_state(const PickleValue& value) const {
     const PickleValue& state = child(value, 2, "array of text");
     if (state.kind == PickleKind::kTuple || state.kind == PickleKind::kList) {
@@ -99,7 +99,7 @@ class Reader {
       out.shape.push_back(count(child(shape, i, "shape"), "shape"));
   }
 
-  /// dtype("f8") with a state of (version, order of bytes, ..).
+  /// dtype("f8") with the state (version, byte order, ..).
   void set_type(PickledArray& out, const PickleValue& type) const {
     if (!pickle_.is_of(type, "dtype")) refuse("type of an array", "another value", "NumPy's dtype");
     const PickleValue& name = child(child(type, 1, "dtype"), 0, "dtype");
@@ -116,7 +116,7 @@ class Reader {
 
   void set_data(PickledArray& out, const PickleValue& content) const {
     std::size_t all = 1;
-    for (const std::size_t side : out.shape) all *= side;  // two of at most 2^31
+    for (const std::size_t side : out.shape) all *= side;  // two sides of at most 2^31
     if (out.kind == 'O') {
       if (content.kind != PickleKind::kList || content.children.size() != all)
         refuse("array", fmt::format("{} values", content.children.size()), fmt::format("a list of {}", all));
@@ -145,7 +145,7 @@ double number_as(const char* at) {
 
 using ReadNumber = double (*)(const char*);
 
-/// How numbers of a type are read; null: they are not.
+/// Returns the reader of a number type; null for unsupported types.
 ReadNumber reader_of(char kind, std::size_t bytes) {
   struct Known {
     char kind;
@@ -195,8 +195,8 @@ void DataFrame::refuse(const std::string& field, const std::string& found, const
   throw_input_error(pickle_->file(), field, found, allowed);
 }
 
-/// Newer files call BlockManager(blocks, axes), each block a call of values and places; older ones set a state
-/// (axes, values, items, {"0.14.1": {"axes", "blocks": [{"values", "mgr_locs"}, ...]}}).
+/// Newer files call BlockManager(blocks, axes), where each block is a call with values and positions; older
+/// files set a state (axes, values, items, {"0.14.1": {"axes", "blocks": [{"values", "mgr_locs"}, ...]}}).
 void DataFrame::read_blocks(const PickleValue& manager) {
   const Reader read(*pickle_);
   if (manager.kind != PickleKind::kCall) refuse("BlockManager", "not called", "a call");

@@ -1,5 +1,5 @@
 #pragma once
-// Tables of pandas (DataFrame) from .pkl and .pkl.gz, without Python. For io/import/pandaset/*.cpp and tests.
+// Tables of pandas (DataFrame) from .pkl and .pkl.gz without Python, for io/import/pandaset/*.cpp and tests.
 #include <cstddef>
 #include <filesystem>
 #include <map>
@@ -12,33 +12,33 @@
 
 namespace simuli::pandaset {
 
-/// An array of NumPy's: numbers, or values of any kind.
+/// A NumPy array of numbers or objects.
 struct PickledArray {
   std::vector<std::size_t> shape;
-  char kind = 'O';        // NumPy's: f, i, u, b (bool), O (a value each); others are not read
-  std::size_t bytes = 0;  // of a number
+  char kind = 'O';        // NumPy's: f, i, u, b (bool), O (objects); others are not supported
+  std::size_t bytes = 0;  // per number
   bool is_column_major = false;
   std::string_view data;                               // of numbers, little endian
   const std::vector<std::uint32_t>* values = nullptr;  // of kind O
 };
 
-/// Columns by name. Written by pandas 1 to 3, pickle protocol 2 to 5.
+/// Columns by name. Supports pandas 1 to 3 and pickle protocols 2 to 5.
 class DataFrame {
  public:
-  /// What a file may hold once it is unpacked.
+  /// Limit of the decompressed file.
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20U;
 
-  /// Error{kInput} naming `file` for what is no such table, damaged or larger than kMostBytes.
+  /// Throws Error{kInput} naming `file` for data that is not such a table, damaged, or larger than kMostBytes.
   explicit DataFrame(const std::filesystem::path& file);
-  /// The same of a pickle that was read before.
+  /// The same for a pickle in memory.
   DataFrame(std::string bytes, const std::string& file);
 
   [[nodiscard]] std::size_t rows() const { return rows_; }
   [[nodiscard]] bool has(const std::string& column) const { return columns_.contains(column); }
-  /// [rows], whole numbers and truth values, too. Error{kInput} naming the column where there is none of the
-  /// name, or of another kind.
+  /// Returns [rows] numbers, also for columns of integers and booleans. Throws Error{kInput} naming the column
+  /// if it is missing or of another kind.
   [[nodiscard]] std::vector<double> numbers(const std::string& column) const;
-  /// [rows]; "" where a value is missing (None, NaN).
+  /// Returns [rows] texts; "" for missing values (None, NaN).
   [[nodiscard]] std::vector<std::string> texts(const std::string& column) const;
 
  private:

@@ -29,19 +29,19 @@ constexpr const char* kFront = "front_camera";
 constexpr const char* kPandar64 = "pandar64";
 constexpr const char* kPandarGt = "pandargt";
 
-// Pictures are read out from top to bottom in 30 ms, and are stamped 10 ms after their middle row (neurad-studio,
+// Pictures are read out from top to bottom in 30 ms; their stamp is 10 ms after the middle row (neurad-studio,
 // pandaset_dataparser.py: rolling_shutter_time, time_to_center_pixel).
 constexpr double kReadFrom_s = -0.025, kReadTo_s = 0.005;
 
-// The back camera sees its vehicle in the lowest rows, which evaluations leave out, too.
+// The lowest rows of the back camera show the ego vehicle; evaluations leave them out as well.
 constexpr const char* kSeesVehicle = "back_camera";
 constexpr double kVehicle = 260.0 / 1080.0;
 
-// About 5000 points of all sweeps tell how the Pandar64 stands.
+// The Pandar64's mounting is estimated from about 5000 points of all sweeps.
 constexpr std::size_t kEvery = 20;
 
-/// The pose whose squared distances from all are least: the mean of their places, and of their rotations the
-/// axis in which quaternions agree, their signs left out.
+/// Returns the pose with the least squared distances from all poses: the mean of their positions, and the
+/// principal axis of their quaternions, independent of signs.
 Pose mean_of(const std::vector<Pose>& poses) {
   Eigen::Matrix4d agreement = Eigen::Matrix4d::Zero();
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
@@ -49,14 +49,14 @@ Pose mean_of(const std::vector<Pose>& poses) {
     agreement += pose.rotation.coeffs() * pose.rotation.coeffs().transpose();
     place += pose.translation / static_cast<double>(poses.size());
   }
-  // Quicker to compile than an eigensolver of this size.
+  // Compiles faster than an eigensolver of this size.
   const Eigen::JacobiSVD<Eigen::Matrix4d, Eigen::NoQRPreconditioner> svd(agreement, Eigen::ComputeFullV);
   Eigen::Quaterniond rotation(Eigen::Vector4d(svd.matrixV().col(0)));
   if (rotation.w() < 0.0) rotation.coeffs() = -rotation.coeffs();
   return {rotation.normalized(), place};
 }
 
-/// Sum of exp(i (azimuth less that of an even turn)) to either side.
+/// Sum of exp(i (azimuth less that of a uniform rotation)) in both directions.
 struct Spin {
   std::complex<double> counter_clockwise, clockwise;
   double points = 0.0;
@@ -146,13 +146,13 @@ class Importer {
           {frame_.seconds(front.times_ns[i]), frame_.world_from_theirs * front.poses[i] * camera_from_rig});
     }
     whole_path_ = Trajectory(all);
-    // One pose more at either end: sensors record before and after the front camera.
+    // One more pose at each end, because sensors record before and after the front camera.
     const std::size_t from = options_.first == 0 ? 0 : options_.first - 1, to = std::min(last_ + 2, count_);
     log_.world_from_rig = Trajectory(
         {all.begin() + static_cast<std::ptrdiff_t>(from), all.begin() + static_cast<std::ptrdiff_t>(to)});
   }
 
-  /// Where a camera is on the rig, by its pictures' poses, of all frames.
+  /// Sets a camera's mounting from the poses of all its pictures.
   void set_mount(const std::string& name) {
     const fs::path folder = folder_ / "camera" / name;
     const Posed posed = read_posed(folder);
@@ -180,7 +180,8 @@ class Importer {
       k.ignore_other_keys();
       camera.model.fx = k.number("fx");
       camera.model.fy = k.number("fy");
-      camera.model.cx = k.number("cx") + 0.5;  // they count from the centre of the first pixel
+      camera.model.cx =
+          k.number("cx") + 0.5;  // principal points are relative to the centre of the first pixel
       camera.model.cy = k.number("cy") + 0.5;
     });
     log_.cameras.push_back(std::move(camera));
@@ -199,7 +200,7 @@ class Importer {
     return {};
   }
 
-  /// Which files there are; what is not there is told of.
+  /// Finds the existing files and reports missing ones.
   void find_files() {
     std::map<std::string, std::vector<std::size_t>> absent;
     PandasetGap nothing{"all sensors", {}};
@@ -234,8 +235,8 @@ class Importer {
     for (auto& [sensor, frames] : absent) report_.gaps.push_back({sensor, std::move(frames)});
   }
 
-  /// What must be known of all sweeps before the first is written: the Pandar64's spin, and how many points the
-  /// PandarGT's largest has.
+  /// Determines properties of all sweeps before the first is written: the Pandar64's rotation, and the number
+  /// of points of the PandarGT's largest sweep.
   void survey_clouds(LogMaker& maker) {
     Spin spin;
     std::vector<Eigen::Vector3d> some;
@@ -304,7 +305,8 @@ class Importer {
     log_.lidars.push_back({std::move(list), mount_of_list()});
   }
 
-  /// Channels look to different sides and files are cut by azimuth: the last points are from the next turn.
+  /// Channels have different azimuth offsets and files are cut by azimuth: the last points belong to the next
+  /// revolution.
   [[nodiscard]] static FrameSpan usual_span(const PointFrame& points) {
     return {points.first_s(), points.first_s() + kUsualSweep_s};
   }
@@ -313,7 +315,7 @@ class Importer {
   }
   [[nodiscard]] static Pose mount_of_list() { return rig_from_pandar64() * pandar64_from_pandargt(); }
 
-  /// As the sensor saw them, each at its own time.
+  /// Returns the points in the sensor's frame, each at its own time.
   [[nodiscard]] std::vector<MeasuredPoint> measured(const PointFrame& points,
                                                     const Pose& rig_from_sensor,
                                                     const FrameSpan& span) const {
@@ -322,8 +324,7 @@ class Importer {
       const Pose world_from_sensor = whole_path_.at(points.time_s[i]) * rig_from_sensor;
       out[i].position = world_from_sensor.inverse() * points.position[i];
       out[i].intensity = points.intensity[i];
-      out[i].time_fraction =
-          (points.time_s[i] - span.time_start_s) / (span.time_end_s - span.time_start_s);
+      out[i].time_fraction = (points.time_s[i] - span.time_start_s) / (span.time_end_s - span.time_start_s);
     }
     return out;
   }
@@ -352,7 +353,7 @@ class Importer {
 
   [[nodiscard]] double front_s(std::size_t number) const { return whole_path_.poses()[number].time_s; }
 
-  /// The points as rays; as many as the list has, some of them again.
+  /// Returns the points as rays; repeats some of them up to the size of the list.
   Sweep listed(const std::vector<MeasuredPoint>& points) {
     Sweep sweep;
     sweep.rays.rows = 1;
@@ -391,7 +392,7 @@ class Importer {
   }
 
   void hide_vehicle() {
-    // A camera without a picture has no size, and no place in the log.
+    // The size of a camera without pictures is unknown; it is left out.
     std::erase_if(log_.cameras, [](const LogCamera& c) { return c.model.width == 0; });
     report_.hidden = hide_lowest(log_, kSeesVehicle, kVehicle);
   }
@@ -406,16 +407,14 @@ class Importer {
   std::map<std::string, std::vector<std::int64_t>> stamps_;  // by camera
   std::vector<Picture> pictures_;
   std::map<std::size_t, fs::path> clouds_, labels_;  // by frame
-  std::set<std::size_t> repeated_;                   // frames with the PandarGT's sweep of another
+  std::set<std::size_t> repeated_;  // frames that repeat another frame's sweep of the PandarGT
   Boxes boxes_;
   Log log_;
 };
 
 }  // namespace
 
-Log import_pandaset(const PandasetOptions& options,
-                    const FrameProgress& progress,
-                    PandasetReport& report) {
+Log import_pandaset(const PandasetOptions& options, const FrameProgress& progress, PandasetReport& report) {
   return Importer(options, report).write(progress);
 }
 

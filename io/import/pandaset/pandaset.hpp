@@ -16,19 +16,19 @@ struct PandasetOptions {
   /// Folder of one sequence (".../pandaset/002"): camera, lidar, annotations.
   std::filesystem::path sequence;
   std::filesystem::path output;
-  std::vector<std::string> cameras = {};  // of the folders in camera; empty: all
-  std::vector<std::string> lidars = {};   // of pandar64, pandargt; empty: both
-  /// Numbers of the frames, both ends among them; the largest number: up to the sequence's end.
+  std::vector<std::string> cameras = {};  // folders in camera; empty: all
+  std::vector<std::string> lidars = {};   // pandar64, pandargt; empty: both
+  /// Frame numbers, inclusive; the largest number: to the sequence's end.
   std::size_t first = 0, last = std::numeric_limits<std::size_t>::max();
 };
 
-/// Frames that a sensor lacks though the sequence lists them.
+/// Frames that a sensor lacks although the sequence lists them.
 struct PandasetGap {
   std::string sensor;  // or "all sensors"
   std::vector<std::size_t> frames;
 };
 
-/// How well one mounting explains the poses of a camera's pictures.
+/// Deviation of the poses of a camera's pictures from one mounting.
 struct PandasetMount {
   std::string camera;
   std::size_t poses = 0;
@@ -38,35 +38,36 @@ struct PandasetMount {
 struct PandasetReport {
   std::vector<PandasetGap> gaps;
   std::vector<PandasetMount> mounts;
-  std::vector<std::string> hidden;  // cameras that see the vehicle, whose masks hide it
+  std::vector<std::string> hidden;  // cameras that show the ego vehicle, which their masks hide
   // The Pandar64.
   PointReport points;
-  UnitMounting mounting;  // its rows' off the published one
+  UnitMounting mounting;  // deviation of its beams from the published mounting
   bool is_clockwise = false;
-  double spin_agreement = 0.0;  // of its points' times and directions with an even turn, 0 to 1
+  double spin_agreement =
+      0.0;  // agreement of its points' times and directions with a uniform rotation, 0 to 1
   // The PandarGT.
-  std::size_t list_rays = 0;      // of each of its sweeps
+  std::size_t list_rays = 0;      // per sweep
   std::size_t list_points = 0;    // of all of them
-  std::size_t list_repeated = 0;  // rays that say a point again, to make that many
-  std::size_t list_again = 0;     // sweeps that another frame has, too; left out
+  std::size_t list_repeated = 0;  // rays that repeat a point
+  std::size_t list_again = 0;     // sweeps that another frame contains as well; left out
   // Boxes.
   LabelReport labels;
-  std::size_t boxes_twice = 0;     // of the PandarGT, of objects that the Pandar64 shows in that frame; left out
-  std::size_t boxes_by_front = 0;  // without a point inside: at the time of the front camera
+  // boxes of the PandarGT whose objects the Pandar64 shows in that frame; left out
+  std::size_t boxes_twice = 0;
+  std::size_t boxes_by_front = 0;  // without points inside: they get the time of the front camera
 };
 
-/// Imports frames of a PandaSet sequence. The world is the rig's frame at the sequence's first pose,
-/// whichever frames are imported; the rig is the Pandar64's place, x forward. Poses are the front camera's
-/// and the published mounting of that: lidar/poses.json has none of the LiDAR. Other cameras: the least
-/// squares mean of their pictures' poses on the rig. Pictures (undistorted pinholes) are read out from top to
-/// bottom, from 25 ms before their stamp to 5 ms after it. Pandar64: on the firing grid of its table, whose
-/// spin is found from the points, and where it stands off the published mounting. PandarGT: as the rays of
-/// its points, for what it fired in vain is not recorded. A box stands at the time at which its LiDAR saw it:
-/// the median of the points inside.
-/// Files that are not there are gaps. Error{kInput} naming file and field for anything else that does not
-/// fit, and for more than 5 % of the Pandar64's points on no ray; Error{kUsage} for sensors that it has not.
-Log import_pandaset(const PandasetOptions& options,
-                    const FrameProgress& progress,
-                    PandasetReport& report);
+/// Imports frames of a PandaSet sequence. The world frame is the rig's at the sequence's first pose,
+/// independent of the imported frames; the rig's frame is at the Pandar64, x forward. The trajectory is that of
+/// the front camera with its published mounting, because lidar/poses.json does not contain the LiDAR's.
+/// Mountings of other cameras are the least-squares means of their pictures' poses on the rig. Pictures
+/// (undistorted pinholes) are read out from top to bottom, from 25 ms before their stamp to 5 ms after it. The
+/// Pandar64 is imported on the firing grid of its table; its rotation and deviations from the published
+/// mounting are estimated from the points. The PandarGT is imported as the rays of its points, because firings
+/// without return are not recorded. A box gets the time at which its LiDAR scanned it: the median time of the
+/// points inside.
+/// Missing files are gaps. Throws Error{kInput} naming file and field for other inconsistent data, and if more
+/// than 5 % of the Pandar64's points are assigned to no beam; Error{kUsage} for unknown sensors.
+Log import_pandaset(const PandasetOptions& options, const FrameProgress& progress, PandasetReport& report);
 
 }  // namespace simuli

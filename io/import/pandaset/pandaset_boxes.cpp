@@ -12,7 +12,7 @@
 namespace simuli::pandaset {
 namespace {
 
-/// Column cuboids.sensor_id: -1, only one LiDAR sees it; the Pandar64's label; the PandarGT's.
+/// Column cuboids.sensor_id: -1, seen by one LiDAR only; 0, label of the Pandar64; 1, label of the PandarGT.
 constexpr double kSeenByPandarGt = 1.0;
 
 struct Label {
@@ -22,7 +22,7 @@ struct Label {
   Pose world_from_box;
 };
 
-/// Median time of the points inside a box; none: nothing.
+/// Returns the median time of the points inside a box; no value without points.
 std::optional<double> time_inside(const PointFrame& points, const Label& label) {
   const Pose box_from_world = label.world_from_box.inverse();
   const Eigen::Vector3d half = 0.5 * label.size_m;
@@ -59,7 +59,7 @@ std::vector<Label> labels_of(const DataFrame& table, const std::string& file, co
       const bool is_known = !sibling[i].empty() && sibling[i] != "-";
       if (is_known) label.object = sibling[i];
     }
-    // Their boxes' y is along the object.
+    // The y axis of PandaSet's boxes is along the object.
     const Pose theirs{Eigen::Quaterniond(Eigen::AngleAxisd(yaw[i] + 0.5 * kPi, Eigen::Vector3d::UnitZ())),
                       {x[i], y[i], z[i]}};
     label.world_from_box = frame.world_from_theirs * theirs;
@@ -86,7 +86,7 @@ void Boxes::add(const DataFrame& table,
       continue;
     }
     std::optional<double> time_s;
-    // Of one LiDAR alone it is not said which.
+    // Labels seen by one LiDAR do not specify which.
     for (const PointSource source : {label.source, PointSource::kPandar64, PointSource::kPandarGt}) {
       const auto own = points.find(source);
       if (!time_s && own != points.end()) time_s = time_inside(own->second, label);

@@ -1,5 +1,5 @@
 #pragma once
-// What a PandaSet sequence's files hold. For io/import/pandaset/*.cpp and tests.
+// Content of a PandaSet sequence's files, for io/import/pandaset/*.cpp and tests.
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -12,26 +12,26 @@
 
 namespace simuli::pandaset {
 
-/// Where the sensors are on the vehicle, whose rig is the Pandar64 turned to drive along x.
+/// Mountings on the vehicle; the rig's frame is the Pandar64's, rotated such that the vehicle drives along x.
 [[nodiscard]] Pose camera_from_pandar64();  // the front camera
 [[nodiscard]] Pose pandar64_from_pandargt();
 [[nodiscard]] Pose rig_from_pandar64();
 
-/// Column d of the points.
+/// Values of column d of the points.
 enum class PointSource { kPandar64 = 0, kPandarGt = 1 };
 
-/// Poses of a sensor in the data set's world, one per frame.
+/// Poses of a sensor in the data set's world frame, one per frame.
 struct Posed {
-  std::vector<std::int64_t> times_ns;  // rising
+  std::vector<std::int64_t> times_ns;  // increasing
   std::vector<Pose> poses;             // world_from_sensor
 };
-/// poses.json and timestamps.json of a folder. Error{kInput} for other counts than each other's, and for times
-/// that do not rise.
+/// Reads poses.json and timestamps.json of a folder. Throws Error{kInput} for different lengths, and for times
+/// that do not increase.
 [[nodiscard]] Posed read_posed(const std::filesystem::path& folder);
 
 /// Points of one LiDAR in one frame.
 struct PointFrame {
-  std::vector<Eigen::Vector3d> position;  // m, in the log's world
+  std::vector<Eigen::Vector3d> position;  // m, in the log's world frame
   std::vector<float> intensity;           // 0 to 1
   std::vector<double> time_s;             // of the log
 
@@ -40,7 +40,7 @@ struct PointFrame {
   [[nodiscard]] double last_s() const;
 };
 
-/// Where a sequence stands: its frames of reference and times.
+/// Reference frame and time of a sequence.
 struct Frame {
   Pose world_from_theirs;
   std::int64_t start_ns = 0;
@@ -48,21 +48,21 @@ struct Frame {
   [[nodiscard]] double seconds(std::int64_t ns) const { return static_cast<double>(ns - start_ns) * 1e-9; }
 };
 
-/// The points of a frame, by PointSource. Error{kInput} for values that no point has.
+/// Returns the points of a frame by PointSource. Throws Error{kInput} for invalid values.
 [[nodiscard]] std::map<PointSource, PointFrame> read_points(const std::filesystem::path& file,
                                                             const Frame& frame);
 
-/// Boxes of all frames, one actor per object: a label of the PandarGT counts for the object that it names as
-/// its sibling, where the Pandar64 has no label of that in the same frame.
+/// Collects the boxes of all frames, one actor per object. A label of the PandarGT is assigned to its sibling
+/// object, unless the Pandar64 has a label of that object in the same frame.
 class Boxes {
  public:
-  /// The labels of one frame; `front_s`: when its points do not say it.
+  /// Adds the labels of one frame; `front_s`: the time of boxes without points.
   void add(const DataFrame& labels,
            const std::string& file,
            const std::map<PointSource, PointFrame>& points,
            const Frame& frame,
            double front_s);
-  /// By their first appearance, tracks by time, sizes the medians.
+  /// Returns actors in the order of their first appearance (LabelTracks::take()).
   [[nodiscard]] std::vector<Actor> take(const std::string& file, PandasetReport& report);
 
  private:

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kLast_s = 4e9;       // 2096
-constexpr double kFarthest_m = 1e5;   // of the sequence's origin
+constexpr double kFarthest_m = 1e5;   // from the sequence's origin
 constexpr double kBrightest = 255.0;  // column i
 
 Pose pose_of(JsonObject& entry) {
@@ -34,7 +34,7 @@ Pose pose_of(JsonObject& entry) {
   return {Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized(), position};
 }
 
-/// An array of JSON, at least one entry.
+/// Returns a non-empty JSON array.
 Json read_array(const std::string& file) {
   Json root = parse_json(read_file(file), file);
   if (!root.is_array() || root.empty()) throw_input_error(file, "root", "no array, or none in it", "[...]");
@@ -45,8 +45,9 @@ std::int64_t nanoseconds(double time_s) { return std::llround(1e9 * time_s); }
 
 }  // namespace
 
-// docs/static_extrinsic_calibration.yaml of the data set's devkit (CC BY 4.0). Transforms of cameras are from the
-// Pandar64, that of front_gt is to it: about its place the PandarGT's scan lines are smooth where ranges jump.
+// docs/static_extrinsic_calibration.yaml of the data set's devkit (CC BY 4.0). Camera transforms are from the
+// Pandar64; that of front_gt is to it: seen from this position, the PandarGT's scan lines are continuous across
+// range discontinuities.
 Pose camera_from_pandar64() {
   return {
       Eigen::Quaterniond(0.016213200031258722, 0.0030578899383849464, 0.7114721800418571, -0.7025205466606356)

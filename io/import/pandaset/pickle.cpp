@@ -11,7 +11,7 @@
 namespace simuli::pandaset {
 namespace {
 
-/// What tables of pandas 1 to 3 and NumPy 1 and 2 are made of, as they are named in pickles.
+/// Names in pickled tables of pandas 1 to 3 and NumPy 1 and 2.
 constexpr std::array<std::string_view, 30> kGlobals{
     "_codecs.encode",
     "builtins.slice",
@@ -47,7 +47,7 @@ constexpr std::array<std::string_view, 30> kGlobals{
 
 }  // namespace
 
-/// Python's stack machine, without what makes objects.
+/// Python's pickle stack machine without the creation of objects.
 class PickleMachine {
  public:
   explicit PickleMachine(Pickle& pickle) : to_(pickle), bytes_(pickle.bytes_) {}
@@ -79,7 +79,7 @@ class PickleMachine {
     return part;
   }
 
-  /// A little endian number of so many bytes.
+  /// Reads a little-endian number of `count` bytes.
   std::uint64_t number(std::size_t count) {
     std::uint64_t value = 0;
     const std::string_view part = take(count);
@@ -97,7 +97,7 @@ class PickleMachine {
   void push_integer(std::int64_t value) { push({PickleKind::kInteger, value, 0.0, {}, {}}); }
   void push_text(PickleKind kind, std::string_view text) { push({kind, 0, 0.0, text, {}}); }
 
-  /// How many values lie above the last mark.
+  /// Returns the number of values above the last mark.
   [[nodiscard]] std::size_t above_mark() const {
     return stack_.size() - (marks_.empty() ? 0 : marks_.back());
   }
@@ -162,7 +162,7 @@ class PickleMachine {
     return text;
   }
 
-  /// Bytes that protocol 2 writes as text: of each character the number, below 256.
+  /// Decodes bytes that protocol 2 writes as text: each character is a number below 256.
   std::string_view latin_bytes(std::string_view text) {
     std::string out;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -180,7 +180,7 @@ class PickleMachine {
     return to_.decoded_.emplace_back(std::move(out));
   }
 
-  /// What is called with what; a call of _codecs.encode is the bytes that it makes.
+  /// Records a call; a call of _codecs.encode becomes the bytes that it creates.
   void call(Index what, Index arguments) {
     const PickleValue& callee = to_.values_[what];
     const PickleValue& given = to_.values_[arguments];
@@ -221,7 +221,7 @@ class PickleMachine {
         return;
       }
       case 0x95:
-        return (void)take(8);  // FRAME: a hint for reading ahead
+        return (void)take(8);  // FRAME: a hint for read-ahead
       case '(':
         return marks_.push_back(stack_.size());
       case '0':
@@ -324,9 +324,9 @@ class PickleMachine {
 
   Pickle& to_;
   std::string_view bytes_;
-  std::size_t at_ = 0, start_ = 0;  // the next byte; the operation's own
+  std::size_t at_ = 0, start_ = 0;  // offset of the next byte, and of the current operation
   std::vector<Index> stack_;
-  std::vector<std::size_t> marks_;  // how many values lay below each
+  std::vector<std::size_t> marks_;  // number of values below each
   std::unordered_map<std::uint64_t, Index> memo_;
 };
 

@@ -25,29 +25,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kLeastViews = 3;  // of a point
+constexpr std::size_t kLeastViews = 3;  // per point
 
-/// A camera model of COLMAP: f or fx fy, cx cy, then the lens's own.
+/// A camera model of COLMAP: f or fx fy, cx cy, then the lens's parameters.
 struct Model {
   const char* name;
   std::size_t parameters;
   std::size_t focals;
   LensKind lens;
 };
-constexpr std::array<Model, 11> kModels{{{"SIMPLE_PINHOLE", 3, 1, LensKind::kPinhole},
-                                         {"PINHOLE", 4, 2, LensKind::kPinhole},
-                                         {"SIMPLE_RADIAL", 4, 1, LensKind::kOpencvPinhole},
-                                         {"RADIAL", 5, 1, LensKind::kOpencvPinhole},
-                                         {"OPENCV", 8, 2, LensKind::kOpencvPinhole},
-                                         {"OPENCV_FISHEYE", 8, 2, LensKind::kOpencvFisheye},
-                                         {"FULL_OPENCV", 12, 2, LensKind::kOpencvPinhole},
-                                         {"FOV", 5, 2, LensKind::kPinhole},  // refused: no lens of ours
-                                         {"SIMPLE_RADIAL_FISHEYE", 4, 1, LensKind::kOpencvFisheye},
-                                         {"RADIAL_FISHEYE", 5, 1, LensKind::kOpencvFisheye},
-                                         {"THIN_PRISM_FISHEYE", 12, 2, LensKind::kPinhole}}};  // as FOV
+constexpr std::array<Model, 11> kModels{
+    {{"SIMPLE_PINHOLE", 3, 1, LensKind::kPinhole},
+     {"PINHOLE", 4, 2, LensKind::kPinhole},
+     {"SIMPLE_RADIAL", 4, 1, LensKind::kOpencvPinhole},
+     {"RADIAL", 5, 1, LensKind::kOpencvPinhole},
+     {"OPENCV", 8, 2, LensKind::kOpencvPinhole},
+     {"OPENCV_FISHEYE", 8, 2, LensKind::kOpencvFisheye},
+     {"FULL_OPENCV", 12, 2, LensKind::kOpencvPinhole},
+     {"FOV", 5, 2, LensKind::kPinhole},  // refused: unsupported lens
+     {"SIMPLE_RADIAL_FISHEYE", 4, 1, LensKind::kOpencvFisheye},
+     {"RADIAL_FISHEYE", 5, 1, LensKind::kOpencvFisheye},
+     {"THIN_PRISM_FISHEYE", 12, 2, LensKind::kPinhole}}};  // refused as FOV
 constexpr std::size_t kFov = 7, kThinPrism = 10;
 
-/// Values one after the other, from a binary file.
+/// Reads values from a binary file in sequence.
 class Bytes {
  public:
   explicit Bytes(const fs::path& file) : file_(file.string()), bytes_(read_file(file)) {}
@@ -99,7 +100,7 @@ Camera make_camera(const std::string& file,
   const Model& m = kModels[model];
   Camera c;
   c.name = fmt::format("camera_{}", id);
-  c.width = static_cast<int>(std::min(width, kLargest + 1));  // validate() tells of too large ones
+  c.width = static_cast<int>(std::min(width, kLargest + 1));  // validate() refuses larger ones
   c.height = static_cast<int>(std::min(height, kLargest + 1));
   c.fx = p[0];
   c.fy = p[m.focals - 1];
@@ -108,14 +109,14 @@ Camera make_camera(const std::string& file,
   std::vector<double> lens(p.begin() + static_cast<std::ptrdiff_t>(m.focals + 2), p.end());
   if (m.lens != LensKind::kPinhole) {
     lens.resize(lens_parameter_names(m.lens).size(), 0.0);
-    lens.back() = std::numbers::pi;  // max_angle_rad: as far as the lens goes
+    lens.back() = std::numbers::pi;  // max_angle_rad: the lens's full range
     c.lens = Lens(m.lens, lens, fmt::format("{}: camera {}", file, id));
   }
   validate(c, file);
   return c;
 }
 
-/// Lines that are no comments.
+/// Returns the lines without comments.
 std::vector<std::string> lines_of(const fs::path& file) {
   std::istringstream in(read_file(file));
   std::vector<std::string> lines;
@@ -175,7 +176,7 @@ struct Posed {
   Pose world_from_camera;
 };
 
-/// Nothing where there is no rotation, or one that is not finite.
+/// Returns no value without a rotation, and for a non-finite one.
 std::optional<Posed> make_posed(std::string name, std::int64_t camera, const std::array<double, 7>& v) {
   const Eigen::Quaterniond q(v[0], v[1], v[2], v[3]);
   const Pose camera_from_world{q.normalized(), {v[4], v[5], v[6]}};
@@ -183,7 +184,7 @@ std::optional<Posed> make_posed(std::string name, std::int64_t camera, const std
   return Posed{std::move(name), camera, camera_from_world.inverse()};
 }
 
-/// Triples of numbers. An image's own line has ten words, the last one a name.
+/// Whether a line consists of triples of numbers. An image's own line has ten words, the last one a name.
 bool holds_observations(const std::string& line) {
   if (line.find_first_not_of("0123456789+-.eE \t") != std::string::npos) return false;
   std::istringstream in(line);
@@ -203,7 +204,7 @@ std::vector<Posed> read_images(const fs::path& folder, bool binary, std::size_t&
       for (double& value : v) value = in.next<double>();
       const auto camera = in.next<std::int32_t>();
       std::string name = in.text();
-      in.skip(in.next<std::uint64_t>(), 24);  // x, y, point: where it saw points
+      in.skip(in.next<std::uint64_t>(), 24);  // x, y, point id of the observations
       add(make_posed(std::move(name), camera, v));
     }
     return images;
@@ -223,7 +224,7 @@ std::vector<Posed> read_images(const fs::path& folder, bool binary, std::size_t&
     }
     name.erase(name.find_last_not_of(" \t\r") + 1);
     add(make_posed(std::move(name), camera, v));
-    // The next line, blank or not: where it saw points.
+    // The next line, possibly blank, contains the observations.
     if (++i < lines.size() && !holds_observations(lines[i]))
       refuse_line(
           file, lines[i], "X Y POINT3D_ID of points, or a blank line, behind each image's first line");
@@ -329,9 +330,7 @@ PhotoSet read_colmap(const ColmapOptions& options) {
   return set;
 }
 
-Log import_colmap(const ColmapOptions& options,
-                  const FrameProgress& progress,
-                  PhotoReport& report) {
+Log import_colmap(const ColmapOptions& options, const FrameProgress& progress, PhotoReport& report) {
   return write_photo_log(read_colmap(options), options.metres_per_unit, options.output, progress, report);
 }
 

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A number of the frame, or else of all frames.
+/// Numbers of the frame, else of all frames.
 class Intrinsics {
  public:
   Intrinsics(JsonObject& all, JsonObject& frame) : all_(all), frame_(frame) {}
@@ -54,7 +54,7 @@ int pixels(Intrinsics& of, const char* key, const std::string& file) {
   throw_input_error(file, key, fmt::format("{}", value), "a whole number from 1 to 65536");
 }
 
-/// As such, else by the angle that a side takes.
+/// Returns the focal length, from its key or from a side's field of view.
 double focal_px(Intrinsics& of, const char* focal, const char* angle, int side, const std::string& file) {
   const bool is_angle = !of.has(focal);
   const double value = of.number(is_angle ? angle : focal);
@@ -82,7 +82,8 @@ Camera camera_of(Intrinsics& of, const std::string& file) {
   if (model == "OPENCV_FISHEYE") {
     c.lens = Lens(LensKind::kOpencvFisheye, {k("k1"), k("k2"), k("k3"), k("k4"), std::numbers::pi}, file);
   } else if (model == "PINHOLE" || model == "SIMPLE_PINHOLE" || model == "OPENCV" ||
-             model == "SIMPLE_RADIAL" || model == "RADIAL") {  // as nerfstudio: one lens, by its numbers
+             // as in nerfstudio: the coefficients determine the lens
+             model == "SIMPLE_RADIAL" || model == "RADIAL") {
     std::vector<double> lens(lens_parameter_names(LensKind::kOpencvPinhole).size(), 0.0);
     if (k("k4") != 0.0)
       throw_input_error(file, "k4", fmt::format("{}", k("k4")), "0 with camera_model " + model);
@@ -103,7 +104,7 @@ bool same(const Camera& a, const Camera& b) {
          a.cy == b.cy && a.lens == b.lens;
 }
 
-/// Index of that camera in the set, added when it is a new one.
+/// Returns the index of a camera in the set; adds new ones.
 std::size_t camera_index(PhotoSet& set, Camera camera) {
   const auto known =
       std::find_if(set.cameras.begin(), set.cameras.end(), [&](const Camera& c) { return same(c, camera); });
@@ -114,7 +115,7 @@ std::size_t camera_index(PhotoSet& set, Camera camera) {
   return index;
 }
 
-/// 3 or 4 rows of 4, camera x right, y up, z back; ours looks along z, y down.
+/// 3 or 4 rows of 4 with camera x right, y up, z back; this project's cameras look along z, y down.
 Pose pose_of(const Json& rows, const std::string& file, const std::string& field) {
   Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
   const auto refuse = [&](const char* found) {
@@ -130,7 +131,7 @@ Pose pose_of(const Json& rows, const std::string& file, const std::string& field
       m(r, c) = value.get<double>();
     }
   }
-  constexpr double kSlack = 1e-5;  // of single precision
+  constexpr double kSlack = 1e-5;  // for single precision
   if (!m.row(3).isApprox(Eigen::RowVector4d::UnitW(), kSlack)) refuse("another last row (is it transposed?)");
   m.col(1) = -m.col(1);
   m.col(2) = -m.col(2);
@@ -139,7 +140,7 @@ Pose pose_of(const Json& rows, const std::string& file, const std::string& field
 
 fs::path photo_file(const fs::path& folder, JsonObject& frame) {
   fs::path name(frame.text("file_path"));
-  if (!name.has_extension()) name += ".png";  // as Blender's sets leave it out
+  if (!name.has_extension()) name += ".png";  // Blender's sets omit the extension
   return inside(folder, name, frame.file(), frame.field("file_path"));
 }
 
@@ -154,7 +155,7 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
   set.source = file.string();
   read_json_text(read_file(file), set.source, [&](JsonObject& root) {
     root.ignore_other_keys();
-    for (const char* lens : {"latlong", "ftheta_p0"}) {  // instant-ngp's other lenses
+    for (const char* lens : {"latlong", "ftheta_p0"}) {  // unsupported lenses of instant-ngp
       if (root.has(lens))
         throw_input_error(set.source, lens, "there", "PINHOLE, OPENCV or OPENCV_FISHEYE, by camera_model");
     }
@@ -198,16 +199,14 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
       set.points = read_points_ply(inside(folder, root.text("ply_file_path"), set.source, "ply_file_path"));
     }
   });
-  // By name, as they were taken: files are not always in order.
+  // Sorted by name, because files are not always in recording order.
   std::stable_sort(set.photos.begin(), set.photos.end(), [](const Photo& a, const Photo& b) {
     return is_before(a.file.string(), b.file.string());
   });
   return set;
 }
 
-Log import_nerfstudio(const NerfstudioOptions& options,
-                      const FrameProgress& progress,
-                      PhotoReport& report) {
+Log import_nerfstudio(const NerfstudioOptions& options, const FrameProgress& progress, PhotoReport& report) {
   return write_photo_log(read_nerfstudio(options), options.metres_per_unit, options.output, progress, report);
 }
 

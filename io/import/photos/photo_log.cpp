@@ -24,9 +24,9 @@ namespace fs = std::filesystem;
 
 constexpr double kPointDistance_m = 10.0;
 constexpr double kStep_m = 0.5;
-constexpr double kFarthest = 100.0;  // points beyond this many typical distances are mistakes
+constexpr double kFarthest = 100.0;  // farther points, in multiples of the typical distance, are outliers
 
-/// Distance of each point (at most some thousand) from the nearest photograph.
+/// Returns the distance of each point (at most some thousand) from the nearest photograph.
 std::vector<double> point_distances(const PhotoSet& set) {
   constexpr std::size_t kMost = 2000;
   const std::size_t step = std::max<std::size_t>(1, set.points.size() / kMost);
@@ -54,7 +54,7 @@ double usual_scale(const PhotoSet& set) {
   return step > 0.0 ? kStep_m / step : 1.0;
 }
 
-/// The least turn that brings the photographs' mean up to +z.
+/// Returns the smallest rotation that maps the photographs' mean up direction to +z.
 Eigen::Quaterniond levelled(const PhotoSet& set) {
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
   for (const Photo& photo : set.photos) up -= photo.world_from_camera.rotation * Eigen::Vector3d::UnitY();
@@ -62,7 +62,7 @@ Eigen::Quaterniond levelled(const PhotoSet& set) {
   return turn_between(up, Eigen::Vector3d::UnitZ());
 }
 
-/// Cameras become as large as their photographs are, where these are the whole picture made smaller.
+/// Scales cameras to the size of their photographs, if these are downscaled versions of the full picture.
 void resize_cameras(PhotoSet& set) {
   std::vector<bool> is_known(set.cameras.size());
   for (const Photo& photo : set.photos) {
@@ -156,7 +156,7 @@ Log write_photo_log(PhotoSet set,
   report.notes = set.notes;
   report.metres_per_unit = metres_per_unit > 0.0 ? metres_per_unit : usual_scale(set);
   const Eigen::Quaterniond turn = set.level ? levelled(set) : Eigen::Quaterniond::Identity();
-  // Around the middle of the photographs, so that float coordinates of points are exact enough.
+  // Relative to the centre of the photographs, so that float coordinates are accurate.
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (const Photo& p : set.photos) middle += p.world_from_camera.translation;
   middle /= static_cast<double>(set.photos.size());

@@ -12,13 +12,13 @@
 namespace simuli {
 namespace {
 
-constexpr double kSameRay_rad = 3.5e-4;  // nearer ones are echoes: 18 000 firings a turn
-constexpr std::size_t kFewest = 20;      // neighbours that tell a step
-constexpr double kOneStep = 0.3;         // of the median step: encoders round, and beams pass the axis
+constexpr double kSameRay_rad = 3.5e-4;  // closer points are echoes; 18 000 firings per revolution
+constexpr std::size_t kFewest = 20;      // neighbours that determine a step
+constexpr double kOneStep = 0.3;         // of the median step, for rounding encoders and beams off the axis
 constexpr double kMostClean = 0.6;       // of all neighbours
-constexpr double kFewestRuns = 0.2;      // of all that have enough points
+constexpr double kFewestRuns = 0.2;      // share of the runs with enough points
 
-/// Mean step of a run; 0 where most neighbours are farther apart.
+/// Returns the mean step of a run; 0 if most neighbours are farther apart.
 double step_of(FiredRun azimuths) {
   for (double& azimuth : azimuths) azimuth -= kTurn * std::floor(azimuth / kTurn);
   std::sort(azimuths.begin(), azimuths.end());
@@ -44,11 +44,11 @@ double step_of(FiredRun azimuths) {
 }
 
 struct Pattern {
-  int every = 0;  // 0: not told
+  int every = 0;  // 0: unknown
   int first = 0;
 };
 
-/// By how many columns most neighbours are apart.
+/// Returns the most frequent distance of neighbours in columns.
 long most_apart(const std::vector<double>& columns) {
   std::set<long> at;
   for (const double column : columns) at.insert(std::lround(column));
@@ -58,7 +58,7 @@ long most_apart(const std::vector<double>& columns) {
   return std::max_element(steps.begin(), steps.end(), is_rarer)->first;
 }
 
-/// Of a row by the columns of its points.
+/// Returns the firing pattern of a beam from the columns of its points.
 Pattern pattern_of(const std::vector<double>& columns) {
   constexpr double kOnGrid = 0.8;
   if (columns.size() < kFewest) return {};
@@ -66,7 +66,7 @@ Pattern pattern_of(const std::vector<double>& columns) {
     std::complex<double> phase;
     for (const double column : columns) phase += std::polar(1.0, kTurn * column / every);
     if (std::abs(phase) < kOnGrid * static_cast<double>(columns.size())) continue;
-    if (most_apart(columns) > every) return {};  // thinned, by what is no pattern of the sensor
+    if (most_apart(columns) > every) return {};  // thinned irregularly
     const int first = static_cast<int>(std::lround(std::arg(phase) / kTurn * every));
     return {every, (first + every) % every};
   }
@@ -86,7 +86,7 @@ double columns_by_steps(const std::vector<FiredRun>& runs, double span) {
   }
   const double needed = kFewestRuns * static_cast<double>(asked);
   if (steps.empty() || static_cast<double>(steps.size()) < needed) return 0.0;
-  // The fastest that a fifth of the rows have, not one whose far points happen to lie closer.
+  // The fastest rate that a fifth of the beams have, to exclude beams with few far points.
   const auto fast = steps.begin() +
                     static_cast<std::ptrdiff_t>(std::min(steps.size() - 1, static_cast<std::size_t>(needed)));
   std::nth_element(steps.begin(), fast, steps.end());
@@ -140,7 +140,7 @@ int set_firing_pattern(const std::vector<FiredRun>& runs, Lidar& lidar) {
   }
   const bool has_pattern =
       std::any_of(lidar.rows.begin(), lidar.rows.end(), [](const LidarRow& row) { return row.every > 1; });
-  // Clouds of which each row is thinned tell nothing about the sensor.
+  // Clouds with every beam thinned do not determine the sensor's rate.
   if (static_cast<double>(always) < kFewestRuns * static_cast<double>(told)) return 0;
   if (told == 0 || (always == told && !has_pattern)) return 0;
   lidar.azimuth_first += lidar.spin_sign() * shift * lidar.azimuth_span / lidar.columns;

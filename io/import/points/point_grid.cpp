@@ -11,18 +11,18 @@
 namespace simuli {
 namespace {
 
-constexpr double kNearest_m = 0.1;       // nearer ones have no direction
-constexpr double kTolerance_rad = 0.01;  // off a beam, where none is nearer to it than twice that
-constexpr double kSameRay = 0.3;         // columns
+constexpr double kNearest_m = 0.1;       // closer points have no direction
+constexpr double kTolerance_rad = 0.01;  // from a beam, unless a neighbouring beam is nearer than twice that
+constexpr double kSameRay = 0.3;         // in columns
 
-/// A ray as measured from its row's own origin.
+/// A ray as seen from its beam's own origin.
 struct Ray {
   double azimuth = 0.0, elevation = 0.0, range = 0.0;
 };
 
 Ray ray_through(const Lidar& lidar, int row, const Eigen::Vector3d& p) {
   Ray ray{std::atan2(p.y(), p.x()), 0.0, 0.0};
-  // The origin turns with the azimuth, which it changes by some mrad: twice is to the last digit of a float.
+  // The origin rotates with the azimuth and changes it by some mrad: two iterations reach float precision.
   for (int i = 0; i < 2; ++i) {
     const Eigen::Vector3d d = p - lidar.origin(row, ray.azimuth);
     ray = {std::atan2(d.y(), d.x()), std::atan2(d.z(), d.head<2>().norm()), d.norm()};
@@ -36,7 +36,7 @@ struct Placed {
   const MeasuredPoint* point = nullptr;
 };
 
-/// Of points that one firing measured the nearest.
+/// Keeps the nearest point of each firing.
 void keep_first_echoes(std::vector<Placed>& row, PointReport& report) {
   std::sort(row.begin(), row.end(), [](const Placed& a, const Placed& b) { return a.column < b.column; });
   std::vector<Placed> kept;
@@ -51,8 +51,7 @@ void keep_first_echoes(std::vector<Placed>& row, PointReport& report) {
   row = std::move(kept);
 }
 
-/// Of more points than a row has columns those that are left without one: the farther of the two that are
-/// nearest to each other, again and again.
+/// Reduces the points to the number of columns: repeatedly removes the farther one of the two closest points.
 void leave_as_many(std::vector<Placed>& row, std::size_t columns, PointReport& report) {
   while (row.size() > columns) {
     std::size_t closest = 1;
@@ -66,10 +65,10 @@ void leave_as_many(std::vector<Placed>& row, std::size_t columns, PointReport& r
   }
 }
 
-/// Adds to values[c] what is known of it at some columns: between them in between, the nearest beyond. Values go round
-/// after `period`: at a sweep's seam one neighbour's time is that of its end, the next one's that of its start, and none
-/// between has one in the middle of it. A single such ray has made all boxes of particles as wide as they are to be for
-/// a whole sweep (model.time_spread).
+/// Fills values[c] between columns with known values by linear interpolation, and with the nearest value
+/// outside. Values are periodic with `period`: at a sweep's seam one neighbour has the end time and the next
+/// one the start time, and no ray between them may get the middle. A single such ray would enlarge all
+/// particles' boxes to the motion of a whole sweep (model.time_spread).
 void spread(const std::vector<int>& columns,
             const std::vector<double>& off,
             double period,
@@ -113,7 +112,7 @@ int nearest_row(const Lidar& lidar, const std::vector<double>& tolerance, const 
   double offset = 0.0, elevation = std::atan2(p.z(), p.head<2>().norm());
   for (std::size_t r = 0; r < lidar.rows.size(); ++r) {
     const LidarRow& row = lidar.rows[r];
-    if (row.vertical_offset != offset) {  // mostly all have the same
+    if (row.vertical_offset != offset) {  // most beams have the same offset
       offset = row.vertical_offset;
       elevation = std::atan2(p.z() - offset, p.head<2>().norm());
     }
@@ -164,7 +163,8 @@ Sweep grid_points(const std::vector<MeasuredPoint>& points, const Lidar& lidar, 
     leave_as_many(rows[r], static_cast<std::size_t>(firings), report);
     if (rows[r].empty()) continue;
     const std::size_t first = r * static_cast<std::size_t>(lidar.columns);
-    std::vector<double> even;  // as kitti::assign_columns() counts: clockwise from pi, a full turn
+    // in the convention of kitti::assign_columns(): clockwise from pi, a full revolution
+    std::vector<double> even;
     for (const Placed& p : rows[r])
       even.push_back(kPi - ((p.column - beam.first) / beam.every + 0.5) * 2.0 * kPi / firings);
     std::vector<int> columns = kitti::assign_columns(even, firings);

@@ -31,12 +31,13 @@ namespace fs = std::filesystem;
 
 constexpr std::array<const char*, 6> kColumns{"x_m", "y_m", "z_m", "intensity", "row", "time_s"};
 
-/// Where the known columns stand in a point; below 0: nowhere.
+/// Positions of the known columns in a point; negative: missing.
 struct Layout {
   std::size_t width = 0;
   std::array<int, kColumns.size()> at{-1, -1, -1, -1, -1, -1};
   bool in_world = false;
-  std::map<std::string, std::vector<LidarMode>> modes;  // by LiDAR: of tables that are named without columns
+  // by LiDAR: modes of tables that are given without columns
+  std::map<std::string, std::vector<LidarMode>> modes;
 };
 
 Layout read_layout(JsonObject& root) {
@@ -71,7 +72,7 @@ Layout read_layout(JsonObject& root) {
   return layout;
 }
 
-/// A LiDAR by the name of its table as log.json has it; others as they are.
+/// Returns the LiDAR of a named table as in log.json; other models unchanged.
 Json whole_lidar(const std::string& file, const std::string& path, const Json& value, Layout& layout) {
   if (!value.is_object() || !value.contains("table")) return value;
   JsonObject object(file, path, value);
@@ -104,7 +105,7 @@ Json whole_lidar(const std::string& file, const std::string& path, const Json& v
   });
 }
 
-/// points.json as the log it describes, its files still those of the folder.
+/// Returns the log that points.json describes, with file names relative to the folder.
 Log read_description(const fs::path& folder, Layout& layout) {
   const fs::path path = folder / "points.json";
   const std::string file = path.string();
@@ -128,7 +129,7 @@ Log read_description(const fs::path& folder, Layout& layout) {
   return whole.read_and_finish([&](JsonObject& object) { return log_from_json(object, folder); });
 }
 
-/// The points of a file; those in the world are still there.
+/// Returns the points of a file; points in world coordinates are not converted yet.
 std::vector<MeasuredPoint> read_points(const fs::path& file, const Layout& layout, const Lidar& lidar) {
   static_assert(std::endian::native == std::endian::little, "the files are little endian");
   const std::string bytes = read_file(file, std::size_t{1} << 30U);
@@ -178,7 +179,7 @@ std::vector<MeasuredPoint> read_points(const fs::path& file, const Layout& layou
   return points;
 }
 
-/// From the world into the sensor's frame at each point's own time.
+/// Converts points from world coordinates to the sensor's frame, each at its own time.
 void put_into_sensor(std::vector<MeasuredPoint>& points, const SweepFrame& sweep, const Log& log) {
   const Pose& mount = log.lidar(sweep.lidar).rig_from_lidar;
   const double duration_s = sweep.time_end_s - sweep.time_start_s;
@@ -188,8 +189,7 @@ void put_into_sensor(std::vector<MeasuredPoint>& points, const SweepFrame& sweep
   }
 }
 
-/// What the first sweeps say of a LiDAR before its table: the offset of this unit, columns, and which rows fire in
-/// which of them.
+/// Fits the LiDAR's table to the first sweeps: elevation offset, columns, and firing pattern.
 void fit_table(
     const PointsOptions& options, const Layout& layout, const Log& log, Lidar& lidar, PointReport& report) {
   constexpr std::size_t kSweeps = 4;
@@ -236,9 +236,7 @@ void fit_table(
 
 }  // namespace
 
-Log import_points(const PointsOptions& options,
-                  const FrameProgress& progress,
-                  PointReport& report) {
+Log import_points(const PointsOptions& options, const FrameProgress& progress, PointReport& report) {
   Layout layout;
   Log log = read_description(options.folder, layout);
   const fs::path source = options.folder / "points.json";

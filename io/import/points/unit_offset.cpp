@@ -17,20 +17,20 @@ namespace {
 constexpr double kLargest_rad = 1.0 * kDegree;
 constexpr double kStep_rad = 0.01 * kDegree;
 constexpr double kWorthwhile_rad = 0.02 * kDegree;  // of a table's own mean error
-constexpr double kBetter = 0.5;                     // of that error
-constexpr double kCap_rad = 0.5 * kDegree;          // what is farther off is on no beam
+constexpr double kBetter = 0.5;                     // required reduction of that error
+constexpr double kCap_rad = 0.5 * kDegree;          // larger errors are not assigned to a beam
 constexpr std::size_t kPoints = 2000;
 
-// Of mountings.
-constexpr double kAlone = 3.0;  // times the usual gap to the next row: no other one can be meant
-constexpr int kSteps = 6;       // of Gauss and Newton, each with rows chosen again
+// Constants of mountings.
+constexpr double kAlone = 3.0;                 // times the usual gap to the next beam: an unambiguous beam
+constexpr int kSteps = 6;                      // Gauss-Newton steps, each with a new assignment of beams
 constexpr double kSharp_rad = 0.02 * kDegree;  // scale of the robust weights
-// Standard deviations before points say more.
+// Prior standard deviations.
 constexpr double kTurned_rad = 1.0 * kDegree, kMoved_m = 0.1;
 
-/// How far points are from the cones of the rows nearest to them, and the step that brings them nearer.
+/// Errors of points from the cones of the nearest beams, and the step that reduces them.
 struct RowStep {
-  double error = 0.0;  // rad, the mean
+  double error = 0.0;  // rad, mean
   Pose step;
 };
 
@@ -39,7 +39,7 @@ RowStep row_step(const Lidar& table,
                  const std::vector<bool>& counts,
                  const std::vector<Eigen::Vector3d>& points,
                  const Pose& table_from_sensor) {
-  using Vector5 = Eigen::Matrix<double, 5, 1>;  // turned about x and y, moved
+  using Vector5 = Eigen::Matrix<double, 5, 1>;  // rotation about x and y, translation
   Vector5 prior, right = Vector5::Zero();
   prior << 1.0 / kTurned_rad, 1.0 / kTurned_rad, Eigen::Vector3d::Constant(1.0 / kMoved_m);
   Eigen::Matrix<double, 5, 5> normal = prior.cwiseAbs2().asDiagonal();
@@ -72,7 +72,7 @@ RowStep row_step(const Lidar& table,
 }  // namespace
 
 double unit_offset(const Lidar& table, const std::vector<Eigen::Vector3d>& points) {
-  // Of each point how far it is above each row.
+  // Elevation of each point above each beam.
   std::vector<std::vector<double>> off;
   for (std::size_t i = 0; i < points.size(); i += points.size() / kPoints + 1) {
     std::vector<double> rows;
@@ -131,7 +131,7 @@ UnitMounting unit_mounting(const Lidar& table, const std::vector<Eigen::Vector3d
   UnitMounting out;
   out.before_rad = out.left_rad = row_step(table, tolerances, all, points, {}).error;
   if (out.before_rad < kWorthwhile_rad) return out;
-  // Rows that stand alone first: with what they have found, points of close ones are nearest to their own.
+  // Isolated beams first: after their fit, points of dense beams are nearest to their own.
   Pose found;
   fit(alone, found);
   fit(all, found);

@@ -1,5 +1,5 @@
 #pragma once
-// Units of one LiDAR differ: mostly by one angle that all of their beams share.
+// Differences between units of one LiDAR model, mostly a common elevation offset.
 #include <Eigen/Core>
 #include <string>
 #include <vector>
@@ -9,22 +9,23 @@
 
 namespace simuli {
 
-/// How much higher (rad, to 1 degree) all beams point than the table's, by where points (m, in its frame) lie. 0 where
-/// the table as it is explains them about as well.
+/// Returns the elevation offset (rad, up to 1 degree) of all beams from the table's, estimated from points (m,
+/// in its frame); 0 if the table explains them about as well.
 [[nodiscard]] double unit_offset(const Lidar& table, const std::vector<Eigen::Vector3d>& points);
 
-/// How a unit stands, by its points.
+/// Mounting of a unit, estimated from its points.
 struct UnitMounting {
-  Pose table_from_sensor;  // turned about x and y, and moved
-  // Mean distance of points from their rows' cones, without and with it.
+  Pose table_from_sensor;  // rotation about x and y, and translation
+  // Mean distance of points from their beams' cones, without and with it.
   double before_rad = 0.0, left_rad = 0.0;
 };
 
-/// Of a LiDAR whose frame others measured: by where points (m, in that frame) lie. The identity where that explains
-/// them about as well. An error of half a row's gap gives points to other rows, and a turned cone does so on one side.
+/// Estimates the deviation from a published mounting from points (m, in that frame); identity if it explains
+/// them about as well. An offset of half the beam spacing assigns points to other beams, and a tilted cone does
+/// so on one side.
 [[nodiscard]] UnitMounting unit_mounting(const Lidar& table, const std::vector<Eigen::Vector3d>& points);
 
-/// Turns all beams up by that. The line that tells it.
+/// Raises all beams by the offset. Returns a line that reports it.
 std::string raise_beams(Lidar& table, double offset);
 
 }  // namespace simuli

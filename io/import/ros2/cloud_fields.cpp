@@ -64,7 +64,7 @@ double value_of(const CloudField& field, const char* point) {
   }
 }
 
-/// The fields of one cloud, and what is wrong with them.
+/// Finds the fields of a cloud and their errors.
 class Finder {
  public:
   Finder(const PointCloudMessage& message, const std::string& file, const std::string& where)
@@ -149,7 +149,7 @@ void find_intensity(const Finder& finder, const std::string& asked, CloudFields&
   fields.intensity_most = most;
 }
 
-/// After the stamp.
+/// Returns the time after the stamp.
 double time_of(double value, const CloudFields& fields, double stamp_s) {
   if (!fields.time_is_absolute) return value * fields.time_unit_s;
   if (fields.time_unit_s > 0.0) return value * fields.time_unit_s - stamp_s;

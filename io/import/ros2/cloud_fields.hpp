@@ -1,6 +1,6 @@
 #pragma once
-// Which field of a PointCloud2 is what, as drivers of LiDARs name them:
-//   time    time       float32  s after the stamp        Velodyne; what simuli writes
+// Fields of PointCloud2 by the names that LiDAR drivers use:
+//   time    time       float32  s after the stamp        Velodyne; simuli
 //           t          uint32   ns after the stamp       Ouster
 //           time_stamp uint32   ns after the stamp       Nebula (Autoware)
 //           offset_time uint32  ns after the stamp       Livox
@@ -19,7 +19,7 @@
 
 namespace simuli::ros2 {
 
-/// As asked for; empty: as the table above says.
+/// Requested fields; empty: as in the table above.
 struct CloudFieldOptions {
   std::string time;       // "FIELD:UNIT" or "FIELD:UNIT:absolute"; UNIT s, ms, us or ns
   std::string intensity;  // "FIELD:MOST"
@@ -34,36 +34,36 @@ struct CloudField {
 struct CloudFields {
   CloudField xyz[3];
   std::optional<CloudField> ring, time, intensity;
-  double time_unit_s = 0.0;       // 0: s or ns, whichever is near the stamp
-  bool time_is_absolute = false;  // since 1970, not after the stamp
+  double time_unit_s = 0.0;       // 0: s or ns, whichever is closer to the stamp
+  bool time_is_absolute = false;  // since 1970, not relative to the stamp
   double intensity_most = 255.0;
 
   /// "ring, time (s), intensity to 255"
   [[nodiscard]] std::string told() const;
 };
 
-/// A point with numbers.
+/// A point with values.
 struct CloudPoint {
   Eigen::Vector3d position;                                  // m, as in the message
   float intensity = 0.0F;                                    // [0, 1]
-  int ring = -1;                                             // below 0: not told
-  double time_s = std::numeric_limits<double>::quiet_NaN();  // after the message's stamp; NaN: not told
+  int ring = -1;                                             // negative: unknown
+  double time_s = std::numeric_limits<double>::quiet_NaN();  // after the message's stamp; NaN: unknown
 };
 
-/// Error{kInput} naming `file`, `where` and the option for a time or an intensity that can't be told by the
-/// fields' names and types, for coordinates that are none, and fields that the options name and it lacks.
+/// Throws Error{kInput} naming `file`, `where` and the option for a time or an intensity that the fields' names
+/// and types do not determine, for invalid coordinates, and for missing fields of the options.
 [[nodiscard]] CloudFields find_cloud_fields(const PointCloudMessage& message,
                                             const CloudFieldOptions& options,
                                             const std::string& file,
                                             const std::string& where);
 
-/// The coordinates alone.
+/// Finds the coordinates only.
 [[nodiscard]] CloudFields find_cloud_places(const PointCloudMessage& message,
                                             const std::string& file,
                                             const std::string& where);
 
-/// Points at the sensor itself and such with NaN returned nothing and are left out. Error{kInput} for times
-/// that are not within 10 s of the stamp, and intensities above the most.
+/// Returns the points; leaves out points at the sensor and with NaN, which mean no return. Throws Error{kInput}
+/// for times more than 10 s from the stamp, and intensities above the maximum.
 [[nodiscard]] std::vector<CloudPoint> points_of(const PointCloudMessage& message,
                                                 const CloudFields& fields,
                                                 const std::string& file,

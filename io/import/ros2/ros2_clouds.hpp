@@ -1,5 +1,5 @@
 #pragma once
-// The bare points of a recording's clouds: what a beam table is fitted to before there is one to import with.
+// Points of a recording's clouds, for fitting a beam table before the import.
 #include <Eigen/Core>
 #include <cstddef>
 #include <filesystem>
@@ -10,14 +10,14 @@ namespace simuli {
 
 using BarePoints = std::vector<Eigen::Vector3d>;  // m, in the clouds' own frame
 
-/// Clouds of one topic, points without a return left out.
+/// Clouds of one topic, without points that mean no return.
 struct Ros2Clouds {
-  std::vector<BarePoints> first;   // those that follow each other from the start on
-  std::vector<BarePoints> spread;  // over all of the recording, evenly
+  std::vector<BarePoints> first;   // consecutive clouds from the start
+  std::vector<BarePoints> spread;  // evenly spaced over the recording
 };
 
-/// At most so many of either. Error{kInput} naming file, topic and field for what is damaged; Error{kUsage}
-/// for a topic that has none, naming those that have.
+/// Returns at most the given numbers of either. Throws Error{kInput} naming file, topic and field for damaged
+/// data; Error{kUsage} for a topic without clouds, naming topics with clouds.
 [[nodiscard]] Ros2Clouds read_ros2_clouds(const std::filesystem::path& recording,
                                           const std::string& topic,
                                           std::size_t most_first,

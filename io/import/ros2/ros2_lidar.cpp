@@ -26,7 +26,7 @@ constexpr std::size_t kSamplesOfRing = 48;
 
 using Rings = std::map<int, std::vector<const CloudPoint*>>;
 
-/// Up to kSamplesOfRing points of each ring, from all around.
+/// Returns up to kSamplesOfRing points of each ring, from all azimuths.
 Rings sampled(const std::vector<std::vector<CloudPoint>>& sweeps) {
   Rings all, some;
   for (const auto& sweep : sweeps) {
@@ -39,7 +39,7 @@ Rings sampled(const std::vector<std::vector<CloudPoint>>& sweeps) {
   return some;
 }
 
-/// Median of how far the points are above a row's beam, rad; nothing where it sees none of them.
+/// Returns the median elevation of the points above a beam, rad; no value if it sees none of them.
 std::optional<double> off_row(const Lidar& lidar, int row, const std::vector<const CloudPoint*>& points) {
   std::vector<double> off;
   for (const CloudPoint* point : points) {
@@ -52,11 +52,11 @@ std::optional<double> off_row(const Lidar& lidar, int row, const std::vector<con
 
 struct NearestTable {
   std::string text = "none";
-  bool is_whole = false;  // each of its rows has a ring, and that as near as units of one sensor are alike
+  bool is_whole = false;  // every beam has a ring within the tolerance between units
 };
 
-/// The built-in table whose rows lie nearest to the rings'. A ring on another's row and a row without a ring count as
-/// much as one that is a degree off.
+/// Returns the built-in table whose beams are nearest to the rings. A ring on another ring's beam and a beam
+/// without a ring count as errors of a degree.
 NearestTable nearest_table(const Rings& rings) {
   constexpr double kAlike = 0.1 * kDegree;
   NearestTable nearest;
@@ -135,7 +135,7 @@ class Fit {
     complete(ring_of.size());
   }
 
-  /// Of points without rings.
+  /// For points without rings.
   void rows(const std::vector<Eigen::Vector3d>& places) {
     const std::vector<double> tolerances = row_tolerances(out.model);
     std::vector<CloudPoint> points(places.size());
@@ -148,10 +148,11 @@ class Fit {
     need_own_rows(by_row, true);
   }
 
-  /// Where the turn begins and to which side it goes, by the points' times.
+  /// Finds the azimuth and direction at which a revolution begins, from the points' times.
   void turn(const Rings& rings) {
     Lidar& model = out.model;
-    if (std::abs(model.azimuth_span - kTurn) > 1e-6) return;  // it swings: the table says how
+    // an oscillating LiDAR: the table determines the direction
+    if (std::abs(model.azimuth_span - kTurn) > 1e-6) return;
     const double period_s = model.sweep_s;
     std::optional<std::complex<double>> best;
     SpinDirection side = model.spin;
@@ -175,7 +176,8 @@ class Fit {
                               ? "turns clockwise, by the points' times"
                               : "turns counter-clockwise, by the points' times");
     }
-    const double share = std::arg(*best) / kTurn;  // of a turn, by which points are later than the table says
+    // share of a revolution by which points are later than in the table
+    const double share = std::arg(*best) / kTurn;
     if (std::abs(share) <= 0.5 / model.columns) return;
     model.azimuth_first = std::remainder(model.azimuth_first - model.spin_sign() * share * kTurn, kTurn);
     out.notes.push_back(fmt::format("the first column is at {:.2f} degrees, by the points' times",
@@ -224,8 +226,8 @@ class Fit {
   RecordedLidar out;
 
  private:
-  /// Rows that returned nothing, told; or another table's rows, all of them, where nothing says that points are of each
-  /// second ring alone: the others would be learned as rows that never return.
+  /// Notes beams without returns; or refuses a table of another sensor if its beams would all be without
+  /// returns, because they would be learned as beams that never return.
   void need_own_rows(const Rings& rings, bool are_all) {
     const auto known = static_cast<int>(rings.size()), count = out.model.row_count();
     if (known == 0 || known == count) return;
@@ -253,7 +255,7 @@ class Fit {
     return spin == SpinDirection::kClockwise ? SpinDirection::kCounterClockwise : SpinDirection::kClockwise;
   }
 
-  /// Rings without a point in the samples follow the order of the others, where these have one.
+  /// Rings without points in the samples continue the order of the others, if that is regular.
   void complete(std::size_t known) {
     const auto count = static_cast<int>(out.row_of.size());
     const auto follows = [&](bool is_reversed) {
@@ -273,7 +275,7 @@ class Fit {
     }
   }
 
-  /// Mean over the points of exp(i 2 pi (their time less the table's, in turns)).
+  /// Returns the mean over the points of exp(i 2 pi (time minus the table's time, in revolutions)).
   [[nodiscard]] std::complex<double> mean_phase(const Lidar& tried,
                                                 const Rings& rings,
                                                 double period_s) const {

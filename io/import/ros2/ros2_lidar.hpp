@@ -1,6 +1,6 @@
 #pragma once
-// A LiDAR's table beside the points of a recording: which ring is which row, where a turn begins, when a
-// sweep does. For io/import/ros2/*.cpp and tests.
+// Matching of a LiDAR's table with a recording's points: beams of rings, begin of a revolution, begin of a
+// sweep. For io/import/ros2/*.cpp and tests.
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -13,21 +13,21 @@
 
 namespace simuli::ros2 {
 
-/// What a stamp means in a turn.
+/// Instant of a sweep that a stamp refers to.
 enum class Stamp { kStart, kEnd, kUnknown };
 
 struct RecordedLidar {
-  Lidar model;              // as given, but for where its turn begins and to which side it goes
-  std::vector<int> row_of;  // by ring; -1: none. Empty: rows by elevation
+  Lidar model;              // as given, except for the begin and direction of a revolution
+  std::vector<int> row_of;  // by ring; -1: none. Empty: beams by elevation
   double start_after_stamp_s = 0.0;
-  Pose table_from_cloud;           // of points as they are in messages
-  std::vector<std::string> notes;  // what was found in the points
+  Pose table_from_cloud;           // of points as in messages
+  std::vector<std::string> notes;  // findings
 };
 
-/// From the points of some sweeps, in the table's frame, of messages that are `apart_s` from each other (0: not
-/// known). Rings are rows by where their points are: any order. Error{kInput} naming `file` and `where` for rings
-/// that lie on no row, or two on one; what find_turn() refuses; and, where points have no times, a stamp that is
-/// kUnknown.
+/// Fits points of some sweeps in the table's frame; messages are `apart_s` apart (0: unknown). Rings are
+/// assigned to beams by the elevation of their points, in any order. Throws Error{kInput} naming `file` and
+/// `where` for rings on no beam, or two on one; the errors of find_turn(); and, for points without times, a
+/// stamp of kUnknown.
 [[nodiscard]] RecordedLidar fit_recorded(const Ros2Lidar& asked,
                                          const std::vector<std::vector<CloudPoint>>& sweeps,
                                          double apart_s,
@@ -35,7 +35,8 @@ struct RecordedLidar {
                                          const std::string& file,
                                          const std::string& where);
 
-/// Points of a sweep for grid_points(). Error{kInput} for a ring that none of fit_recorded()'s sweeps had.
+/// Returns a sweep's points for grid_points(). Throws Error{kInput} for a ring that the sweeps of
+/// fit_recorded() did not contain.
 [[nodiscard]] std::vector<MeasuredPoint> measured(const std::vector<CloudPoint>& points,
                                                   const RecordedLidar& lidar,
                                                   const std::string& file,

@@ -23,11 +23,11 @@ namespace simuli {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace ros2;  // NOLINT(google-build-using-namespace): the import is about them
+using namespace ros2;  // NOLINT(google-build-using-namespace): the import uses all of them
 
 constexpr double kNanosecond_s = 1e-9;
 
-/// "/a/b/c" -> "/a/b"; of a picture compressed by a transport what the picture itself has.
+/// "/a/b/c" -> "/a/b"; for a picture compressed by a transport, that of the picture.
 std::string folder_of(std::string topic) {
   constexpr std::string_view kTransport = "/compressed";
   if (topic.ends_with(kTransport)) topic.resize(topic.size() - kTransport.size());
@@ -64,7 +64,7 @@ class Importer {
   }
 
  private:
-  /// All that is said before a frame is read.
+  /// Validates the request before frames are read.
   void choose() {
     for (const auto& [option, topics] :
          {std::pair("--topics", options_.topics), std::pair("--ignore", options_.ignore)}) {
@@ -81,7 +81,7 @@ class Importer {
            " has several parents: the one that leads to --world-frame, else the newest is taken");
     choose_lidars();
     choose_cameras();
-    for (const auto& [topic, damage] : scan_.damaged) {  // of the others FrameWriter tells
+    for (const auto& [topic, damage] : scan_.damaged) {  // FrameWriter reports the others
       if (lidars_.count(topic) == 0 && cameras_.count(topic) == 0)
         note(fmt::format("left out: {} messages of {}: {}", damage.count, topic, damage.first));
     }
@@ -93,7 +93,7 @@ class Importer {
     find_path();
   }
 
-  /// Nothing lies on the path: why.
+  /// Reports why no frame is within the trajectory.
   [[noreturn]] void need_common_clock() const {
     const auto [first_s, last_s] = frames_s_;
     throw_nothing_left(
@@ -106,7 +106,8 @@ class Importer {
                     static_cast<double>(span_.second) * kNanosecond_s));
   }
 
-  /// What there is, what would be taken for what, and the log without its files; of what is refused why, and none.
+  /// Lists the topics, their interpretation, and the log without files; for refused recordings the reason, and
+  /// an empty log.
   Log survey() {
     const auto tell = [&](const char* kind, const std::string& topic, const SensorTopic& t) {
       const auto [first, last] = std::minmax_element(t.stamps_ns.begin(), t.stamps_ns.end());
@@ -146,7 +147,7 @@ class Importer {
     throw Error(ErrorKind::kUsage, fmt::format("{}: found \"{}\", allowed {}", option, found, allowed));
   }
 
-  /// What is below the topic, or all of it where another sensor has that name.
+  /// Returns the topic's parent, or the whole topic if another sensor has that name.
   std::string name_of_topic(const std::string& topic) {
     const std::string folder = folder_of(topic);
     for (std::string name : {folder.empty() ? topic : folder, topic}) {
@@ -158,13 +159,13 @@ class Importer {
     throw_input_error(file_, topic, "a name that two sensors would have", "topics that differ");
   }
 
-  /// Error{kInput} of a topic without a sound message.
+  /// Throws Error{kInput} for a topic without a valid message.
   void need_sound(const std::string& topic) const {
     const auto damage = scan_.damaged.find(topic);
     if (damage != scan_.damaged.end()) throw Error(ErrorKind::kInput, damage->second.first);
   }
 
-  /// rig_from_sensor, a camera's or a LiDAR's.
+  /// Returns rig_from_sensor of a camera or a LiDAR.
   Pose mount_of(const std::string& topic, const std::string& frame, bool is_camera) const {
     const auto asked = options_.mounts.find(topic);
     if (asked != options_.mounts.end())
@@ -172,7 +173,7 @@ class Importer {
     return fixed(options_.rig_frame, frame, topic);
   }
 
-  /// a_from_b of frames that don't move against each other.
+  /// Returns a_from_b of frames without relative motion.
   [[nodiscard]] Pose fixed(const std::string& a, const std::string& b, const std::string& topic) const {
     const auto pose = scan_.transforms.fixed(a, b);
     if (!pose) {
@@ -185,7 +186,7 @@ class Importer {
     return *pose;
   }
 
-  /// Median time between messages; 0 of one alone.
+  /// Returns the median time between messages; 0 for a single one.
   static double apart_s(const SensorTopic& topic) {
     std::vector<std::int64_t> steps;
     std::vector<std::int64_t> stamps = topic.stamps_ns;
@@ -242,7 +243,7 @@ class Importer {
     }
   }
 
-  /// Of pictures that are rectified P tells the lens: no distortion.
+  /// For rectified pictures P determines the lens: no distortion.
   void rectify(CameraInfoMessage& info, const std::string& topic) const {
     constexpr std::array<double, 9> kUnturned{1, 0, 0, 0, 1, 0, 0, 0, 1};
     if (info.p[0] != 0.0) info.k = {info.p[0], 0, info.p[2], 0, info.p[5], info.p[6], 0, 0, 1};
@@ -272,7 +273,7 @@ class Importer {
       if (scan_.pictures.count(topic) == 0)
         refuse_option("--camera", topic, "a topic of pictures: " + names(scan_.pictures));
     }
-    std::map<std::string, std::string> taken;  // by what they are a picture of
+    std::map<std::string, std::string> taken;  // by the picture that they describe
     for (const auto& [topic, pictures] : scan_.pictures) {
       const auto lens = options_.lenses.find(topic);
       const bool has_lens = lens != options_.lenses.end();
@@ -354,7 +355,7 @@ class Importer {
     for (const StampedPose& pose : path)
       poses.push_back({static_cast<double>(pose.stamp_ns - log_.start_ns) * kNanosecond_s, pose.pose});
     if (options_.without_poses) {
-      constexpr double kBeyond_s = 1.0;  // so that the last sweep ends on it
+      constexpr double kBeyond_s = 1.0;  // so that the last sweep ends within it
       poses = {{-kBeyond_s, {}},
                {static_cast<double>(span_.second - span_.first) * kNanosecond_s + kBeyond_s, {}}};
       note("no poses: a rig at rest");
@@ -375,11 +376,11 @@ class Importer {
                             (log_.world_from_rig.end_s() + Trajectory::kExtrapolation_s) / kNanosecond_s)};
   }
 
-  /// The rig stands upright, on average: a world in which it doesn't (z down, or that of an IMU's or a camera's first
-  /// pose) is turned by the least angle to one in which it does. A tilt that roads have, too, is told, and turned where
-  /// the rig has it to the same side of the world whichever way it heads.
+  /// Levels the world such that the rig is upright on average: a world with z down, or aligned with an IMU's or
+  /// a camera's first pose, is rotated by the smallest angle. A tilt that roads may have is reported, and
+  /// removed if the rig has it in the same world direction at all headings.
   void level(std::vector<TimedPose>& poses) {
-    constexpr double kSteepest = 20.0 * kDegree;  // no road is
+    constexpr double kSteepest = 20.0 * kDegree;  // steeper than any road
     constexpr double kWorthTelling = 3.0 * kDegree;
     constexpr double kManyWays = 0.9, kOnePlane = 0.25;  // length of the mean heading; of the tilt
     Eigen::Vector3d up = Eigen::Vector3d::Zero(), ahead = Eigen::Vector3d::Zero();
@@ -460,9 +461,7 @@ class Importer {
 
 }  // namespace
 
-Log import_ros2(const Ros2Options& options,
-                const FrameProgress& progress,
-                Ros2Report& report) {
+Log import_ros2(const Ros2Options& options, const FrameProgress& progress, Ros2Report& report) {
   return Importer(options, report).run(progress);
 }
 

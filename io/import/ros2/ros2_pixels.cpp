@@ -1,4 +1,4 @@
-// Pixels of sensor_msgs/Image as its encoding lays them out (sensor_msgs/image_encodings.hpp).
+// Pixels of sensor_msgs/Image in its encodings (sensor_msgs/image_encodings.hpp).
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -14,15 +14,15 @@ namespace {
 
 enum class Layout {
   kColours,  // red, green and blue of each pixel at `place`
-  kMosaic,   // one colour a pixel: the colours of a square of 2 x 2 are `place`
-  kPairs,  // luma of two pixels at `place[0]` and two bytes on, between them their U and V at place[1], place[2]
-  kPlanes,  // luma, below it a row of U and V for two rows, at `place[1]` and `place[2]` of two bytes
+  kMosaic,   // one colour per pixel: `place` contains the colours of a square of 2 x 2
+  kPairs,    // luma of two pixels at `place[0]` and two bytes later, their U and V at place[1], place[2]
+  kPlanes,   // luma, followed by a row of U and V per two rows, at `place[1]` and `place[2]` of two bytes
 };
 
 struct Encoding {
   std::string_view name;
   Layout layout;
-  std::size_t bytes;  // of a pixel's value: 1 or 2
+  std::size_t bytes;  // per value: 1 or 2
   std::size_t values;
   std::array<std::size_t, 4> place;
 };
@@ -33,7 +33,7 @@ constexpr Encoding kEncodings[] = {
     {"rgba8", Layout::kColours, 1, 4, {0, 1, 2}},
     {"bgra8", Layout::kColours, 1, 4, {2, 1, 0}},
     {"mono8", Layout::kColours, 1, 1, {0, 0, 0}},
-    {"8UC1", Layout::kColours, 1, 1, {0, 0, 0}},  // these as cv_bridge takes them
+    {"8UC1", Layout::kColours, 1, 1, {0, 0, 0}},  // interpreted as in cv_bridge
     {"8UC3", Layout::kColours, 1, 3, {2, 1, 0}},
     {"8UC4", Layout::kColours, 1, 4, {2, 1, 0}},
     {"rgb16", Layout::kColours, 2, 3, {0, 1, 2}},
@@ -60,7 +60,7 @@ class Pixels {
  public:
   Pixels(const ImageMessage& message, const Encoding& encoding) : m_(message), e_(encoding) {}
 
-  /// 0 to 1.
+  /// Returns a colour in 0 to 1.
   [[nodiscard]] float colour(int x, int y, std::size_t c) const {
     switch (e_.layout) {
       case Layout::kColours:
@@ -95,7 +95,7 @@ class Pixels {
     return static_cast<float>(256 * high + low) / kMost16;
   }
 
-  /// What the pixel measured, else the mean of those beside it that measured this colour.
+  /// Returns the pixel's value of its own colour, else the mean of the neighbours with this colour.
   [[nodiscard]] float mosaic(int x, int y, std::size_t c) const {
     const auto measures = [&](int px, int py) {
       return e_.place[static_cast<std::size_t>(py % 2 * 2 + px % 2)];
@@ -112,7 +112,7 @@ class Pixels {
     return count > 0.0F ? sum / count : 0.0F;
   }
 
-  /// ITU-R BT.601 with luma of 16 to 235, as cameras and cv_bridge have it.
+  /// ITU-R BT.601 with luma of 16 to 235, as in cameras and cv_bridge.
   static float from_yuv(std::size_t c, float y, float u, float v) {
     const float luma = 1.164F * (y - 16.0F / 255.0F), blue = u - 128.0F / 255.0F, red = v - 128.0F / 255.0F;
     const float colour = c == kR   ? luma + 1.596F * red

@@ -17,17 +17,17 @@
 namespace simuli::ros2 {
 namespace {
 
-constexpr double kShortest_s = 0.01;  // no LiDAR turns faster
-constexpr double kSameRate = 0.1;     // of a turn: one mode's rates; sensors offer 5, 10, 15, 20 Hz
-constexpr double kSameTurn = 0.03;    // of a turn: two measures of one
+constexpr double kShortest_s = 0.01;  // no LiDAR rotates faster
+constexpr double kSameRate = 0.1;     // relative tolerance of a mode's rate; sensors offer 5, 10, 15, 20 Hz
+constexpr double kSameTurn = 0.03;    // relative tolerance of two measurements of one revolution
 constexpr double kSameColumns = 0.08;
-constexpr double kThinned = 4.0;  // times fewer columns than any mode has are no mode
+constexpr double kThinned = 4.0;  // fewer columns than any mode by this factor are not a mode
 constexpr char kUnit[] = "--point-time says what they are, FIELD:UNIT";
 
-/// A point as its beam fired it.
+/// A point relative to its beam.
 struct Fired {
-  double turned;  // share of a turn counter-clockwise, less the beam's own
-  double time_s;  // less the beam's own
+  double turned;  // share of a revolution, counter-clockwise, minus the beam's offset
+  double time_s;  // minus the beam's offset
 };
 
 bool is_near(double a, double b, double share) { return std::abs(a - b) <= share * b; }
@@ -39,10 +39,11 @@ class RevolutionFinder {
     if (modes_.empty()) modes_ = {{1.0 / asked.table.sweep_s, asked.table.columns}};
   }
 
-  RecordedRevolution found(const std::vector<std::vector<CloudPoint>>& sweeps, const std::vector<int>& row_of) {
+  RecordedRevolution found(const std::vector<std::vector<CloudPoint>>& sweeps,
+                           const std::vector<int>& row_of) {
     read(sweeps, row_of);
     const double steps = columns_by_steps(runs_, asked_.table.azimuth_span);
-    // A LiDAR that swings has no turn that times could be measured against.
+    // The times of an oscillating LiDAR do not determine a revolution.
     const bool turns = std::abs(asked_.table.azimuth_span - kTurn) < 1e-6;
     const bool has_times =
         turns && std::any_of(fired_.begin(), fired_.end(), [](const auto& sweep) { return !sweep.empty(); });
@@ -50,7 +51,8 @@ class RevolutionFinder {
     print_lost(revolution_s);
     const LidarMode mode = mode_of(revolution_s, steps);
     RecordedRevolution out{asked_.table, {}, {}};
-    const bool is_other = mode.columns != out.model.columns || !is_near(out.model.sweep_s, revolution_s, kSameRate);
+    const bool is_other =
+        mode.columns != out.model.columns || !is_near(out.model.sweep_s, revolution_s, kSameRate);
     if (is_other) {
       out.model = in_mode(out.model, mode);
       notes_.push_back(fmt::format("{} columns at {:.4g} Hz, not {} at {:.4g}, by the points",
@@ -92,7 +94,7 @@ class RevolutionFinder {
         last_s = std::max(last_s, point.time_s);
       }
       longest_s_ = std::max(longest_s_, last_s - first_s);
-      constexpr std::size_t kSamples = 1024;  // of a sweep
+      constexpr std::size_t kSamples = 1024;  // per sweep
       const std::size_t step = all.size() / kSamples + 1;
       fired_.emplace_back();
       for (std::size_t i = 0; i < all.size(); i += step) fired_.back().push_back(all[i]);
@@ -100,15 +102,16 @@ class RevolutionFinder {
     }
   }
 
-  /// 0 to 1: how well a turn in that time, to the better of both sides, explains the points' times. Each sweep for
-  /// itself: stamps need not be a turn apart.
+  /// Returns how well a revolution of that duration explains the points' times, for the better direction, from
+  /// 0 to 1. Each sweep separately, because stamps need not be a revolution apart.
   [[nodiscard]] double coherence(double revolution_s) const {
     double best = 0.0;
     for (const double side : {1.0, -1.0}) {
       double sum = 0.0, count = 0.0;
       for (const auto& sweep : fired_) {
         std::complex<double> phases;
-        for (const Fired& f : sweep) phases += std::polar(1.0, kTurn * (f.time_s / revolution_s - side * f.turned));
+        for (const Fired& f : sweep)
+          phases += std::polar(1.0, kTurn * (f.time_s / revolution_s - side * f.turned));
         sum += std::abs(phases);
         count += static_cast<double>(sweep.size());
       }
@@ -117,9 +120,9 @@ class RevolutionFinder {
     return best;
   }
 
-  /// The turn that explains the times best.
+  /// Returns the duration that explains the times best.
   [[nodiscard]] double best_turn() const {
-    constexpr double kStep = 0.02, kFastest = 1.5;  // turns within the longest sweep
+    constexpr double kStep = 0.02, kFastest = 1.5;  // revolutions within the longest sweep
     double best = kStep, most = 0.0;
     for (double rate = kStep; rate <= kFastest; rate += kStep) {
       const double value = coherence(longest_s_ / rate);
@@ -148,10 +151,11 @@ class RevolutionFinder {
                          apart_s_ > 0.0 ? apart_s_ : asked_.table.sweep_s,
                          kUnit));
     }
-    constexpr double kNoise = 2e-3;  // of a full turn, 3 % off its duration
+    constexpr double kNoise = 2e-3;  // of a full revolution; 3 % of its duration
     const double worst = std::max(kNoise, 3.0 * (1.0 - best));
     const auto fits = [&](double revolution_s) {
-      return revolution_s >= kShortest_s && longest_s_ <= 1.5 * revolution_s && 1.0 - coherence(revolution_s) <= worst;
+      return revolution_s >= kShortest_s && longest_s_ <= 1.5 * revolution_s &&
+             1.0 - coherence(revolution_s) <= worst;
     };
     std::vector<double> tried;
     if (apart_s_ > 0.0) {
@@ -175,7 +179,7 @@ class RevolutionFinder {
     return *first;
   }
 
-  /// Without times: the mode that the points' steps and the messages allow, of which the fewest would be lost.
+  /// Without times: returns the mode that agrees with the points' steps and the messages and loses the fewest.
   double by_modes(double steps) const {
     std::vector<LidarMode> allowed;
     const auto keep = [&](auto is_so) {
@@ -183,7 +187,7 @@ class RevolutionFinder {
     };
     if (steps > 0.0) {
       keep([&](const LidarMode& m) { return is_near(steps, m.columns, kSameColumns); });
-      // Of clouds that are thinned evenly the columns of some modes alone go on through the turn.
+      // In evenly thinned clouds only some modes' columns continue through the revolution.
       constexpr double kOnGrid = 0.9;
       keep([&](const LidarMode& m) {
         return fit_of_step(runs_, asked_.table.azimuth_span / m.columns) > kOnGrid;
@@ -226,7 +230,7 @@ class RevolutionFinder {
              fmt::format("{:.4g} s", revolution_s),
              fmt::format("{} s, as {} has: without a mode the import finds it", rates, asked_.table.name));
     }
-    if (!was_listed) {  // as many firings a second, where all modes have as many
+    if (!was_listed) {  // equal firing rate, if all modes have the same
       const double rate = modes_.front().spin_hz * modes_.front().columns;
       const bool is_steady =
           modes_.size() > 1 && std::all_of(modes_.begin(), modes_.end(), [&](const auto& m) {
@@ -262,20 +266,20 @@ class RevolutionFinder {
   const std::string& file_;
   const std::string& where_;
   std::vector<LidarMode> modes_;
-  std::vector<FiredRun> runs_;             // by sweep and row
+  std::vector<FiredRun> runs_;             // by sweep and beam
   std::vector<std::vector<Fired>> fired_;  // by sweep, with times
-  double longest_s_ = 0.0;                 // from the first to the last time of a sweep
+  double longest_s_ = 0.0;                 // between the first and last time of a sweep
   std::vector<std::string> notes_;
 };
 
 }  // namespace
 
 RecordedRevolution find_turn(const Ros2Lidar& asked,
-                       const std::vector<std::vector<CloudPoint>>& sweeps,
-                       const std::vector<int>& row_of,
-                       double apart_s,
-                       const std::string& file,
-                       const std::string& where) {
+                             const std::vector<std::vector<CloudPoint>>& sweeps,
+                             const std::vector<int>& row_of,
+                             double apart_s,
+                             const std::string& file,
+                             const std::string& where) {
   return RevolutionFinder(asked, apart_s, file, where).found(sweeps, row_of);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// How fast a recorded LiDAR turns and how often it fires in a turn: what points' times and azimuths say, before how far
-// messages are apart (every second may be lost) and what the table's name leaves open. For io/import/ros2/*.cpp.
+// Rotation and firing rate of a recorded LiDAR: from the points' times and azimuths, else from the distance of
+// messages (which may be lost) and the table's modes. For io/import/ros2/*.cpp.
 #include <string>
 #include <vector>
 
@@ -12,19 +12,19 @@
 namespace simuli::ros2 {
 
 struct RecordedRevolution {
-  Lidar model;                     // the table at the rate and with the columns that were found
-  std::vector<std::string> notes;  // where these are others than the table's
-  std::vector<FiredRun> runs;      // what each row measured, by sweep and row
+  Lidar model;                     // the table with the rate and columns found
+  std::vector<std::string> notes;  // differences from the table
+  std::vector<FiredRun> runs;      // azimuths of each beam, by sweep and beam
 };
 
-/// Of the points of some sweeps, in the table's frame, on the rows that `row_of` gives their rings (empty: on the
-/// nearest). `apart_s`: between messages; 0: not known. Error{kInput} naming `file` and `where` for times that fit no
-/// turn, and for another turn or other columns than the mode that was asked for has.
+/// Analyses points of some sweeps in the table's frame, on the beams that `row_of` assigns to their rings
+/// (empty: the nearest beams). `apart_s`: distance of messages; 0: unknown. Throws Error{kInput} naming `file`
+/// and `where` for times that fit no revolution, and for a rate or columns other than the requested mode's.
 [[nodiscard]] RecordedRevolution find_turn(const Ros2Lidar& asked,
-                                     const std::vector<std::vector<CloudPoint>>& sweeps,
-                                     const std::vector<int>& row_of,
-                                     double apart_s,
-                                     const std::string& file,
-                                     const std::string& where);
+                                           const std::vector<std::vector<CloudPoint>>& sweeps,
+                                           const std::vector<int>& row_of,
+                                           double apart_s,
+                                           const std::string& file,
+                                           const std::string& where);
 
 }  // namespace simuli::ros2

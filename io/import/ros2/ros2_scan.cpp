@@ -10,7 +10,7 @@
 namespace simuli::ros2 {
 namespace {
 
-constexpr std::size_t kFirstSweeps = 4;  // enough of every ring, from all around
+constexpr std::size_t kFirstSweeps = 4;  // enough to sample every ring at all azimuths
 constexpr std::size_t kMostMessages = 10'000'000;
 
 class Scanner {
@@ -26,7 +26,7 @@ class Scanner {
     try {
       read(channel, data, transforms);
     } catch (const Error& error) {
-      if (error.kind() == ErrorKind::kUsage) throw;  // of an option, not of a message
+      if (error.kind() == ErrorKind::kUsage) throw;  // error of an option, not of a message
       Damage& damage = scan.damaged[channel.topic];
       if (damage.count++ == 0) damage.first = error.what();
     }
@@ -74,7 +74,7 @@ class Scanner {
     topic.stamps_ns.push_back(header.stamp_ns);
   }
 
-  /// A damaged message tells nothing; it is told of when it is read.
+  /// Ignores a damaged message, which is reported when it is read.
   static std::string why_unreadable(const BagChannel& channel, const CdrReader& in) try {
     if (channel.type == kImage) {
       const std::string encoding(read_image_message(in).encoding);
@@ -91,7 +91,8 @@ class Scanner {
   void take_info(const BagChannel& channel, const CameraInfoMessage& info) {
     const auto [known, is_new] = scan.infos.emplace(channel.topic, info);
     const CameraInfoMessage& first = known->second;
-    const auto same = [](const auto& a, const auto& b) {  // also of NaN, which is refused when it is read
+    // also equal for NaN, which is refused when it is read
+    const auto same = [](const auto& a, const auto& b) {
       return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) {
         return x == y || (std::isnan(x) && std::isnan(y));
       });
@@ -111,13 +112,13 @@ class Scanner {
     if (!is_asked || topic.first_sweeps.size() >= kFirstSweeps) return;
     try {
       const PointCloudMessage cloud = read_point_cloud(in);
-      // Of each message: nothing says that they are laid out alike.
+      // For each message, because layouts may differ.
       const CloudFields fields = find_cloud_fields(cloud, field_options(options_), file_, channel.topic);
       std::vector<CloudPoint> points = points_of(cloud, fields, file_, channel.topic);
       if (!topic.fields) topic.fields = fields;
       if (!points.empty()) topic.first_sweeps.push_back(std::move(points));
     } catch (const Error& error) {
-      if (error.kind() == ErrorKind::kUsage) throw;  // of an option, not of a message
+      if (error.kind() == ErrorKind::kUsage) throw;  // error of an option, not of a message
       if (topic.unreadable.empty()) topic.unreadable = error.what();
     }
   }

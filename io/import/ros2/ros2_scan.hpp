@@ -1,5 +1,5 @@
 #pragma once
-// What is in a recording, found in one pass. For io/import/ros2/*.cpp alone.
+// Content of a recording, found in one pass, for io/import/ros2/*.cpp.
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -19,36 +19,36 @@ namespace simuli::ros2 {
 struct SensorTopic {
   std::string type;
   std::string frame_id;    // of the first message
-  std::string unreadable;  // what that one is instead of a picture of colours; of clouds the first error
+  std::string unreadable;  // why the first picture is unsupported; for clouds the first error
   std::vector<std::int64_t> stamps_ns;
-  std::vector<std::vector<CloudPoint>> first_sweeps;  // of clouds that options.lidars names
-  std::optional<CloudFields> fields;                  // of these
+  std::vector<std::vector<CloudPoint>> first_sweeps;  // of cloud topics in options.lidars
+  std::optional<CloudFields> fields;                  // of these topics
 };
 
-/// Messages of one topic that can't be read.
+/// Unreadable messages of one topic.
 struct Damage {
   std::size_t count = 0, of = 0;
-  std::string first;  // error
+  std::string first;  // first error
 };
 
 struct Scan {
   explicit Scan(const std::string& file) : transforms(file) {}
 
   std::map<std::string, SensorTopic> clouds, pictures;       // by topic
-  std::map<std::string, CameraInfoMessage> infos;            // by topic, the first
+  std::map<std::string, CameraInfoMessage> infos;            // by topic, the first message
   std::map<std::string, std::vector<StampedPose>> odometry;  // by topic, header.frame_id from child_frame_id
-  std::map<std::string, OdometryMessage> odometry_frames;    // the first of each
+  std::map<std::string, OdometryMessage> odometry_frames;    // the first message of each
   TransformTree transforms;
-  std::set<std::string> changing;         // topics of CameraInfo whose calibration does not stay
-  std::set<std::string> topics;           // all of the recording
-  std::size_t bad_transforms = 0;         // and odometry: no poses; left out
-  std::map<std::string, Damage> damaged;  // by topic, of which no more is read than tells what it is
+  std::set<std::string> changing;         // topics of CameraInfo whose calibration changes
+  std::set<std::string> topics;           // all topics of the recording
+  std::size_t bad_transforms = 0;         // invalid transforms and odometry poses; left out
+  std::map<std::string, Damage> damaged;  // by topic; read only up to the detection of the damage
 };
 
-/// A reader of one message of that channel.
+/// Returns a reader for a message of the channel.
 [[nodiscard]] CdrReader reader_of(const BagChannel& channel, std::string_view data, const std::string& file);
 
-/// Errors as import_ros2().
+/// Errors as in import_ros2().
 [[nodiscard]] Scan scan_bag(const Bag& bag, const Ros2Options& options);
 
 [[nodiscard]] inline CloudFieldOptions field_options(const Ros2Options& options) {

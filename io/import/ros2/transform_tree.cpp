@@ -9,7 +9,7 @@
 namespace simuli::ros2 {
 namespace {
 
-/// Between the poses around a stamp; at the ends the nearest.
+/// Interpolates between the poses around a stamp; clamps at the ends.
 Pose at(const std::vector<StampedPose>& poses, std::int64_t stamp_ns) {
   const auto after =
       std::lower_bound(poses.begin(), poses.end(), stamp_ns, [](const StampedPose& p, std::int64_t ns) {
@@ -23,11 +23,11 @@ Pose at(const std::vector<StampedPose>& poses, std::int64_t stamp_ns) {
   return interpolate(before.pose, after->pose, share);
 }
 
-/// A parent whose origin is the centre of the earth (REP 105's earth, of any name): as far away as that, along
-/// the child's z. The northings of a UTM grid are as large, but lie across z.
+/// Whether the parent's origin is the centre of the earth (REP 105's earth frame, of any name): its distance
+/// along the child's z agrees with the earth's radius. UTM northings are as large, but horizontal.
 bool is_on_earth(const Pose& pose) {
-  constexpr double kLeast_m = 6.33e6;  // a pole less 20 km
-  constexpr double kMost_m = 6.40e6;   // the equator and 20 km
+  constexpr double kLeast_m = 6.33e6;  // polar radius minus 20 km
+  constexpr double kMost_m = 6.40e6;   // equatorial radius plus 20 km
   constexpr double kLeastCosine = 0.8;
   const double distance_m = pose.translation.norm();
   const double along_z_m = std::abs(pose.translation.dot(pose.rotation * Eigen::Vector3d::UnitZ()));
@@ -35,7 +35,7 @@ bool is_on_earth(const Pose& pose) {
 }
 
 bool are_one(const std::vector<StampedPose>& poses) {
-  constexpr double kSame = 1e-6;  // m, rad: what a publisher's rounding makes of one pose
+  constexpr double kSame = 1e-6;  // m, rad: rounding of equal poses by a publisher
   const Pose& first = poses.front().pose;
   return std::all_of(poses.begin(), poses.end(), [&](const StampedPose& p) {
     return (p.pose.translation - first.translation).norm() <= kSame &&
@@ -136,7 +136,7 @@ std::vector<const TransformTree::Link*> TransformTree::above(const std::string& 
 }
 
 std::optional<Pose> TransformTree::fixed(const std::string& a, const std::string& b) const {
-  std::map<std::string, Pose> from_b;  // of what b is fixed in
+  std::map<std::string, Pose> from_b;  // a_from_b of frames b
   Pose up;
   from_b[b] = up;
   for (const Link* link : above(b, {a})) {

@@ -1,5 +1,5 @@
 #pragma once
-// Which frame is where in another, and when: what TF messages tell. For io/import/ros2/*.cpp and tests.
+// Poses between frames over time from TF messages, for io/import/ros2/*.cpp and tests.
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -18,29 +18,30 @@ struct StampedPose {
   Pose pose;
 };
 
-/// Strictly increasing in time; of poses with one stamp the last.
+/// Sorts strictly by time; of poses with equal stamps the last is kept.
 void sort_by_stamp(std::vector<StampedPose>& poses);
 
 class TransformTree {
  public:
   explicit TransformTree(std::string file) : file_(std::move(file)) {}
 
-  /// A frame may have several parents. Error{kInput} for more transforms than 10 million.
+  /// Adds a transform. A frame may have several parents. Throws Error{kInput} for more than 10 million
+  /// transforms.
   void add(const TransformMessage& transform);
-  /// Once all have been added, before anything is asked.
+  /// Called after all add(), before any query.
   void finish();
 
   [[nodiscard]] bool has(const std::string& frame) const;
-  /// Names of those that have several parents.
+  /// Returns the names of frames with several parents.
   [[nodiscard]] std::vector<std::string> ambiguous() const;
-  /// All names, for messages.
+  /// Returns all names, for messages.
   [[nodiscard]] std::string frames() const;
-  /// Where frame b is in frame a, if it doesn't move there: through links whose transforms are all one.
-  /// Nothing where there is no such way.
+  /// Returns the pose of frame b in frame a through links with constant transforms; no value without a
+  /// connection.
   [[nodiscard]] std::optional<Pose> fixed(const std::string& a, const std::string& b) const;
-  /// world_from_frame at the stamps of the link that has most, in time's order; `world` empty: the root,
-  /// or what is below it where that is the centre of the earth, which is then told. Empty where nothing on the
-  /// way moves. Error{kInput} where `world` is not above it, or where nothing moves but in an earth.
+  /// Returns world_from_frame at the stamps of the link with the most, in time order. Empty `world`: the root,
+  /// or the frame below it if the root is the centre of the earth; `world` is set to it. Empty if no link
+  /// moves. Throws Error{kInput} if `world` is not above the frame, and if only links to an earth frame move.
   [[nodiscard]] std::vector<StampedPose> path(const std::string& frame, std::string& world) const;
 
  private:
@@ -49,8 +50,8 @@ class TransformTree {
     std::vector<StampedPose> poses;  // parent_from_child
     bool is_fixed = false;
   };
-  /// The links from a frame up to its root; of several parents the one that leads to one of `wanted`, else the
-  /// one told of last, as tf2 has it. Error{kInput} for a circle.
+  /// Returns the links from a frame up to its root; of several parents the one that leads to a frame in
+  /// `wanted`, else the latest, as in tf2. Throws Error{kInput} for a cycle.
   [[nodiscard]] std::vector<const Link*> above(const std::string& frame,
                                                const std::set<std::string>& wanted) const;
   [[nodiscard]] bool leads(const std::string& frame,
@@ -58,11 +59,11 @@ class TransformTree {
                            std::set<std::string>& seen) const;
 
   std::string file_;
-  std::map<std::string, std::vector<Link>> links_;  // by child; by their last stamp
+  std::map<std::string, std::vector<Link>> links_;  // by child; sorted by their last stamp
   std::size_t count_ = 0;
 };
 
-/// A frame's name without the slash that older programs begin it with.
+/// Returns a frame's name without the leading slash of older programs.
 [[nodiscard]] std::string frame_name(const std::string& frame_id);
 
 }  // namespace simuli::ros2

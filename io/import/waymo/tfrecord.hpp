@@ -1,5 +1,5 @@
 #pragma once
-// TFRecord files. Included by io/*.cpp alone.
+// TFRecord files, for io/*.cpp.
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -7,15 +7,15 @@
 
 namespace simuli {
 
-/// Records one after the other: length, checksum, bytes, checksum. Checksums are not looked at: a damaged
-/// message does not fit its schema.
+/// Reads records: length, checksum, bytes, checksum. Does not verify checksums: a damaged message does not
+/// match its schema.
 class TfRecords {
  public:
-  /// Error{kInput} when there is nothing to read.
+  /// Throws Error{kInput} for an empty or unreadable file.
   explicit TfRecords(const std::filesystem::path& file);
-  /// False at the end. Error{kInput} for a record that is cut short.
+  /// Returns false at the end. Throws Error{kInput} for a truncated record.
   [[nodiscard]] bool next(std::string& record);
-  /// Bytes of the file, and how many of them have been read.
+  /// Size of the file and number of bytes read.
   [[nodiscard]] std::uintmax_t size() const { return bytes_; }
   [[nodiscard]] std::uintmax_t at() const { return at_; }
 

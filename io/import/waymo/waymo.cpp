@@ -26,7 +26,7 @@ using namespace waymo;
 constexpr std::array<const char*, 5> kLabelKinds{"unknown", "vehicle", "pedestrian", "sign", "cyclist"};
 constexpr double kRevolution_s = 0.1;
 
-/// A segment on its way into a log's folder, record by record.
+/// Converts a segment to a log's folder, record by record.
 class SegmentLog {
  public:
   SegmentLog(const std::string& file, Log& log, WaymoReport& report)
@@ -111,16 +111,14 @@ class SegmentLog {
   Log& log_;
   LogMaker maker_;
   WaymoReport& report_;
-  double origin_s_ = 0.0;              // of the log's times, since 1970
+  double origin_s_ = 0.0;              // origin of the log's times, since 1970
   std::map<std::int64_t, Pose> path_;  // by ns
   LabelTracks labels_;
 };
 
 }  // namespace
 
-Log import_waymo(const WaymoOptions& options,
-                 const FrameProgress& progress,
-                 WaymoReport& report) {
+Log import_waymo(const WaymoOptions& options, const FrameProgress& progress, WaymoReport& report) {
   TfRecords records(options.segment);
   report = {};
   Log log;

@@ -20,12 +20,10 @@ struct WaymoReport {
 };
 
 /// Imports a segment of the Waymo Open Dataset: all cameras (rolling shutters, from the middle of the first
-/// exposed line's exposure to that of the last), the first returns of the LiDAR TOP as its range images have
-/// them, boxes. The rig is the vehicle frame. Intensities are tanh of the data set's. The principal points
-/// are taken to count from the centre of the first pixel, as OpenCV's. Error{kInput} naming the file and the
-/// message that does not fit.
-Log import_waymo(const WaymoOptions& options,
-                 const FrameProgress& progress,
-                 WaymoReport& report);
+/// exposed line's exposure to that of the last), the first returns of the LiDAR TOP from its range images,
+/// boxes. The rig's frame is the vehicle frame. Intensities are tanh of the data set's. Principal points are
+/// assumed to be relative to the centre of the first pixel, as in OpenCV. Throws Error{kInput} naming the file
+/// and the message for inconsistent data.
+Log import_waymo(const WaymoOptions& options, const FrameProgress& progress, WaymoReport& report);
 
 }  // namespace simuli

@@ -30,7 +30,7 @@ int pixels(std::uint64_t value) { return static_cast<int>(std::min<std::uint64_t
 Frame Reader::frame(std::string_view bytes) const {
   Frame f;
   const std::vector<WireField> fields = wire_fields(bytes, file_, "frame");
-  // Others' records have those numbers, too, and would be read as frames whose names are whatever stands there.
+  // Records of other schemas have these field numbers as well and would be read as frames with arbitrary names.
   if (std::none_of(fields.begin(), fields.end(), [](const auto& field) {
         return field.number == 2 && !field.is_bytes;
       }))
@@ -107,7 +107,7 @@ bool Reader::lidar(std::string_view bytes, std::size_t rows, std::size_t columns
   model.columns = static_cast<int>(columns);
   model.spin = SpinDirection::kClockwise;
   model.azimuth_span = 2.0 * std::numbers::pi;
-  // Range images begin behind the vehicle, however the sensor is turned on it.
+  // Range images begin behind the vehicle, independent of the sensor's mounting.
   const Eigen::Vector3d ahead = out.rig_from_lidar.rotation * Eigen::Vector3d::UnitX();
   model.azimuth_first =
       std::numbers::pi * (1.0 - 1.0 / static_cast<double>(columns)) - std::atan2(ahead.y(), ahead.x());
@@ -154,7 +154,7 @@ Pose Reader::transform(std::string_view bytes) const {
   }
   if (v.size() != 16) throw_input_error(file_, "transform", fmt::format("{} numbers", v.size()), "16");
   const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> m(v.data());
-  constexpr double kSlack = 1e-5;  // of single precision
+  constexpr double kSlack = 1e-5;  // for single precision
   if (!m.row(3).isApprox(Eigen::RowVector4d::UnitW(), kSlack)) {
     throw_input_error(file_, "transform", "another last row (is it transposed?)", "0 0 0 1");
   }

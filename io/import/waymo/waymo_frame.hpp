@@ -1,6 +1,6 @@
 #pragma once
-// Frames of the Waymo Open Dataset, whose fields and values are numbered as in its published schema
-// (dataset.proto, label.proto). For io/import/waymo/waymo.cpp and tests.
+// Frames of the Waymo Open Dataset with the field numbers of its published schema (dataset.proto, label.proto),
+// for io/import/waymo/waymo.cpp and tests.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -13,7 +13,8 @@
 
 namespace simuli::waymo {
 
-/// What a frame has of a sensor: in seconds since 1970, which a double holds to a quarter of a microsecond.
+/// A sensor's data in a frame, with times in seconds since 1970, which a double represents to a quarter of a
+/// microsecond.
 struct Picture {
   std::uint64_t name = 0;
   std::string_view bytes;
@@ -31,25 +32,25 @@ struct Frame {
   Pose world_from_vehicle;
   std::vector<Picture> pictures;
   std::vector<std::pair<double, Pose>> poses;  // of the pictures
-  std::string_view top;                        // range image, compressed
+  std::string_view top;                        // compressed range image
   std::vector<Box> boxes;
 };
 
-/// The range image: [rows][columns][channels], of which the first two are range and intensity.
+/// The range image: [rows][columns][channels]; the first two channels are range and intensity.
 struct Grid {
   std::size_t rows = 0, columns = 0, channels = 0;
   std::vector<float> values;
 };
 
-/// Reads the messages of one segment, whose name is for errors: Error{kInput} naming file and message for
-/// what does not fit the schema. What it returns looks into the bytes that it was given.
+/// Reads the messages of one segment, whose name appears in errors: throws Error{kInput} naming file and
+/// message for data that does not match the schema. Results refer to the given bytes.
 class Reader {
  public:
   explicit Reader(std::string file) : file_(std::move(file)) {}
 
   [[nodiscard]] Frame frame(std::string_view bytes) const;
   [[nodiscard]] LogCamera camera(std::string_view calibration) const;
-  /// TOP, for a range image of that size; false for another LiDAR.
+  /// Returns the LiDAR TOP for a range image of that size; false for another LiDAR.
   [[nodiscard]] bool lidar(std::string_view calibration,
                            std::size_t rows,
                            std::size_t columns,
@@ -67,7 +68,7 @@ class Reader {
   std::string file_;
 };
 
-/// First returns of a range image whose size is the sensor's.
+/// Returns the first returns of a range image with the sensor's size.
 [[nodiscard]] Sweep sweep_of(const Grid& grid, const Lidar& lidar);
 
 }  // namespace simuli::waymo
