@@ -324,7 +324,7 @@ TEST_F(FramesCli, AreTheRecordedOnesOfTheSensor) {
   }
   const nlohmann::json told = nlohmann::json::parse(run("info s.scene --json").out).at("recorded_frames");
   EXPECT_EQ(told.at("top").at("frames"), 6);
-  EXPECT_NE(run("info s.scene").out.find("\n    6 frames, 10.0 a second, 0.05 to "), std::string::npos);
+  EXPECT_NE(run("info s.scene").out.find("\n    6 frames, 10.0 per second, 0.05 to "), std::string::npos);
   const nlohmann::json some = render("--sensor front --frames 2:3", "some");
   ASSERT_EQ(some.size(), 2U);
   EXPECT_EQ(some.at(0), all.at(2));

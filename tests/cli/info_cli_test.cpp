@@ -85,7 +85,7 @@ TEST_F(InfoCli, TellsWhatWasRecordedWhenAndWhoWasNear) {
   EXPECT_GE(car.at("nearest_s").get<double>(), 0.0);
   expect_text(
       "s.log",
-      {"\n    6 frames, 10.0 a second, ", " deg, focal ", "(6 images, 6 sweeps), gets ", ", nearest "});
+      {"\n    6 frames, 10.0 per second, ", " deg, focal ", "(6 images, 6 sweeps), travels ", ", nearest "});
 
   ASSERT_EQ(
       run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3 actors.track.learn=true").exit_code,
@@ -95,7 +95,7 @@ TEST_F(InfoCli, TellsWhatWasRecordedWhenAndWhoWasNear) {
   EXPECT_FALSE(scene.at("actors").at(0).contains("images"));  // those are the log's
   EXPECT_EQ(scene.at("recorded_frames"), log.at("recorded_frames"));
   expect_text("s.scene",
-              {"\n    6 frames, 10.0 a second, ",
+              {"\n    6 frames, 10.0 per second, ",
                "settings         actors.track.learn=true init.voxel_m=0.3\n",
                ", nearest "});
 
@@ -122,7 +122,7 @@ TEST_F(InfoCli, TellsWhatWasRecordedWhenAndWhoWasNear) {
 TEST_F(InfoCli, TellsWhatBuiltInCamerasSee) {
   expect_text(
       "sensors",
-      {"camera tum_vi_cam0      opencv_fisheye, 512 x 512 px, sees ", " deg, focal ", "shutter global"});
+      {"camera tum_vi_cam0      opencv_fisheye, 512 x 512 px, view ", " deg, focal ", "shutter global"});
   const json sensors = told("sensors");
   ASSERT_EQ(sensors.at("models").size(), sensors.at("cameras").size() + sensors.at("lidars").size());
   const json& camera = sensors.at("models").at(0);

@@ -107,7 +107,7 @@ TEST_F(SplatCli, ScenesAreExported) {
   const GaussianSet back = simuli::read_splats(folder_ / "back.ply");  // right, down, ahead
   EXPECT_LT((back.mean().col(2) - ply.mean().col(0)).cwiseAbs().maxCoeff(), 1e-4F);
   EXPECT_LT((back.mean().col(1) + ply.mean().col(2)).cwiseAbs().maxCoeff(), 1e-4F);
-  expect_failure("export a.ply --at 1 -o b.ply", kUsage, "allowed a scene with --at");
+  expect_failure("export a.ply --at 1 -o b.ply", kUsage, "allowed a scene for --at");
   expect_failure("export s.scene --compress -o c.ply", kInput, "compression");
   expect_failure("export s.scene --lidar -o l.usdz", kInput, "kind");
   EXPECT_FALSE(fs::exists(folder_ / "l.usdz"));

@@ -82,7 +82,7 @@ TEST_F(SupportCli, FallsBesideThePath) {
   expect_failure(
       "render s.scene --sensor front --frames 1:1 --outputs support -o x", kUsage, "train it anew");
   expect_failure("eval s.scene s.log --support", kUsage, "train it anew");
-  expect_failure("render s.scene --sensor front --frames 1:1 --mirror car -o x", kUsage, "train it anew");
+  expect_failure("render s.scene --sensor front --frames 1:1 --mirror car -o x", kUsage, "train the scene again");
 }
 
 TEST_F(SupportCli, MirrorsWhatOneSideAloneWasSeenOf) {
