@@ -284,11 +284,11 @@ const Json& JsonObject::get(const std::string& key) {
     present.push_back(quoted(at.key()));
   }
   if (present.size() < value_.size()) present.push_back("...");
-  throw_input_error(
-      file(),
-      field(key),
-      present.empty() ? "no key at all" : fmt::format("no such key beside {}", fmt::join(present, ", ")),
-      "this key (and no other spelling or unit)");
+  throw_input_error(file(),
+                    field(key),
+                    present.empty() ? "no key at all"
+                                    : fmt::format("no such key; the keys are {}", fmt::join(present, ", ")),
+                    "this key (and no other spelling or unit)");
 }
 
 void JsonObject::refuse(const std::string& key, const std::string& allowed) const {

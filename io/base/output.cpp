@@ -111,7 +111,7 @@ void need_writable(const fs::path& file) {
     if (ending_of(file) == ".html" || !is_there(file) || !is_there(parent_of(file) / index)) continue;
     throw_input_error(file.string(),
                       "file",
-                      fmt::format("one beside a {}, which may need it", index),
+                      fmt::format("one in a folder with {}, which may need it", index),
                       "a new path, or elsewhere");
   }
   const Temporary temporary(file);

@@ -20,7 +20,7 @@ struct FrameSelection {
   double held_out_middle = 0.0;
   double held_out_last = 0.0;
   std::vector<std::string> held_out_sensors = {};  // cameras and LiDARs whose frames are all held out
-  std::uint64_t seed = 1;  // of the order of the frames and of the thinning of points
+  std::uint64_t seed = 1;                          // of the order of the frames and of the thinning of points
   bool counts_by_sensor =
       true;  // false: numbers as in older scenes, whose files lack this field (training_json.hpp)
 };
@@ -32,19 +32,20 @@ constexpr void visit_fields(FrameSelection& o, F&& field) {
   field("image_scale",
         o.image_scale,
         above(0.0, 1.0),
-        "Size of the training pictures over the recorded ones. 1: sharpest, four times the pixels of 0.5.");
+        "Size of the training pictures relative to the recorded ones. 1: sharpest, four times the pixels "
+        "of 0.5.");
   field("held_out_every",
         o.held_out_every,
         zero_or(at_least(2)),
-        "Keep every N-th frame of each camera and LiDAR for evaluation; 0: train on all frames.");
+        "Hold out every N-th frame of each camera and LiDAR for evaluation; 0: train on all frames.");
   field("held_out_middle",
         o.held_out_middle,
         range(0.0, 0.9),
-        "Keep the frames on this share of the path, around its middle, for evaluation as well.");
+        "Also hold out the frames on this share of the trajectory, around its middle.");
   field("held_out_last",
         o.held_out_last,
         range(0.0, 0.9),
-        "Keep the frames on this share of the path, at its end, for evaluation as well.");
+        "Also hold out the frames on this share of the trajectory, at its end.");
   field("held_out_sensors",
         o.held_out_sensors,
         "Cameras and LiDARs, with commas between, of which all frames are kept for evaluation.");

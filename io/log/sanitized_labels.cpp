@@ -122,8 +122,8 @@ void sanitize_headings(Actor& actor, std::vector<std::string>& said) {
     said.push_back(fmt::format(
         "label {}: {} of {} headings are half a turn off, turned back", actor.name, flipped, count));
   if (off > 0)
-    said.push_back(
-        fmt::format("label {}: {} of {} headings are off, taken from those beside", actor.name, off, count));
+    said.push_back(fmt::format(
+        "label {}: {} of {} headings are outliers, replaced by their neighbours", actor.name, off, count));
   if (const std::size_t k = headings.first_wrong(); k > 0)
     said.push_back(fmt::format("label {}: turns by {:.0f} degrees in {:.2f} s at {:.2f} s, left as it is",
                                actor.name,

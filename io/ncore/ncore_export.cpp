@@ -329,7 +329,7 @@ NcoreExport export_ncore(const Log& log,
         output.string(), "kind", "NCore, which this build can't write", "a build with libblosc and liblzma");
   }
   NcoreExport report;
-  if (!log.points.empty()) report.left_out.emplace_back("points beside LiDAR returns");
+  if (!log.points.empty()) report.left_out.emplace_back("points that are not LiDAR returns");
   write_zarr(output, [&](ZarrWriter& writer) { Exporter(log, writer, report).write(progress); });
   return report;
 }

@@ -119,7 +119,7 @@ class Header {
       if (left_ < kOfOne) refuse("header", "cut short", "a whole OpenEXR file");
       skip(kOfOne);
     }
-    if (left_ != end) refuse("channels", "a list of another length than it says", "a whole OpenEXR file");
+    if (left_ != end) refuse("channels", "a list with a wrong length", "a whole OpenEXR file");
   }
 
   void check_window(const std::string& name, std::uint32_t bytes) {

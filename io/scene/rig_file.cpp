@@ -88,7 +88,7 @@ RigSensor sensor_from_json(JsonObject& object, const SensorRig& recorded) {
     throw_input_error(object.file(),
                       object.field("readout_s"),
                       "one of a recorded camera",
-                      "no such key: its frames say it");
+                      "no such key, because the recorded frames determine it");
   }
   read.sensor = with_camera_keys(object, read.sensor).named(name);
   if (const auto mount = read_mount(object, read.sensor.is_camera())) {

@@ -43,7 +43,7 @@ Chunks chunks_of(const std::string& bytes, const std::string& file) {
     const std::size_t left = bytes.size() - at;
     const std::size_t length = left < kChunkHeaderBytes ? 0 : number_at(bytes, at);
     if (left < kChunkHeaderBytes || length > left - kChunkHeaderBytes) {
-      throw_input_error(file, fmt::format("chunk {}", i), "cut short", "as long as it says");
+      throw_input_error(file, fmt::format("chunk {}", i), "cut short", "its stated length");
     }
     const std::size_t type = number_at(bytes, at + 4);
     if (i == 0 && type != kJsonChunk) throw_input_error(file, "chunk 0", "another one", "JSON");

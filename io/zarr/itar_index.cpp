@@ -115,7 +115,7 @@ std::map<std::string, ItarEntry> read_itar_index(std::string_view cbor,
                         fmt::format("at most {} bytes, before the index at {}", kLargestEntry, end));
     }
     if (!out.emplace(std::move(items[i]), ItarEntry{offsets[i], sizes[i]}).second)
-      throw_input_error(file, "index", "a name that stands twice", "each once");
+      throw_input_error(file, "index", "a repeated name", "each once");
   }
   return out;
 }

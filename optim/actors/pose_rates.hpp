@@ -17,7 +17,7 @@ constexpr void visit_fields(PoseRates& o, F&& field) {
   field(
       "actors.track.learn",
       o.learn,
-      "Learn corrections of the actors' tracks while training. true: for labels that are off by decimetres.");
+      "Learn corrections of the actors' tracks while training. true: for labels with errors of decimetres.");
   field.internal(o.shift_m);
   field.internal(o.turn_rad);
   field.internal(o.final_share);

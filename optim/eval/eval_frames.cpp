@@ -96,7 +96,7 @@ std::string EvalFrames::label() const {
     case FrameKind::kUnknown:
       break;
   }
-  return which + " (the scene does not say which were trained on)";
+  return which + " (the scene has no record of its training frames)";
 }
 
 EvalFrames select_eval_frames(const Log& log, const SceneFile& scene, const EvalOptions& options) {

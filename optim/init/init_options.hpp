@@ -62,7 +62,7 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
   field("init.lidar_walls_m",
         o.lidar_walls_m,
         range(0.0, 50.0),
-        "Height in m by which walls go on above the highest beam, for rendering LiDARs that look higher; 0: "
+        "Height in m by which walls are extended above the highest beam, for LiDARs with higher beams; 0: "
         "they end there.");
   field("init.off_trajectory_m",
         o.off_path_m,
@@ -76,11 +76,11 @@ constexpr void visit_fields(InitOptions& o, F&& field) {
   field.group("Actors");
   field("init.actors",
         o.actors,
-        "Model what moves as actors with particles of their own. false: everything is background.");
+        "Model moving objects as actors with particles of their own. false: everything is background.");
   field("actors.least_travel_m",
         o.actor_min_travel_m,
         at_least(0.0),
-        "Distance in m that a labelled actor must travel; those that travel less are background.");
+        "Least distance in m that a labelled actor travels; others are background.");
   field("init.register_tracks",
         o.register_tracks,
         "Correct the actors' labelled tracks by their LiDAR returns. false: labels are exact.");
@@ -101,13 +101,14 @@ struct InitReport {
   std::size_t actor_points = 0;   // voxels of actors
   std::size_t dark_points = 0;    // voxels of surfaces that return nothing
   std::size_t moving_points = 0;  // voxels of moving objects, left out of both sets
-  std::size_t unseen_points = 0;  // voxels invisible in all images, also off the trajectory: not in the camera set
+  std::size_t unseen_points =
+      0;  // voxels invisible in all images, also off the trajectory: not in the camera set
   std::size_t joined_points = 0;  // voxels that no picture resolves
-  std::size_t depth_points = 0;  // voxels from multi-view depth where no LiDAR reached
-  std::size_t wall_points = 0;  // on walls above the LiDARs' field of view
+  std::size_t depth_points = 0;   // voxels from multi-view depth where no LiDAR reached
+  std::size_t wall_points = 0;    // on walls above the LiDARs' field of view
   std::size_t ground_points = 0;  // on the ground around the rig outside the LiDARs' field of view
-  std::size_t unmet_points = 0;  // on walls above the field of view, for LiDARs with a higher one
-  std::size_t lidar_cells = 0;  // cells of the background's LiDAR set, merged where possible without loss
+  std::size_t unmet_points = 0;   // on walls above the field of view, for LiDARs with a higher one
+  std::size_t lidar_cells = 0;    // cells of the background's LiDAR set, merged where possible without loss
   std::size_t lidar_thinned = 0;  // of these, left out to keep max_lidar
   std::size_t camera_thinned = 0;
   std::size_t lidar_particles = 0;

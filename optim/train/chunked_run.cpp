@@ -47,9 +47,7 @@ class ChunkedRun final : public TrainingRun {
   [[nodiscard]] Log log_of_chunk(std::size_t index) const {
     return log_of(drive_.log, drive_.options.frames, *path_, chunks_[index], drive_.options.chunks);
   }
-  [[nodiscard]] ChunkSplit parting() const {
-    return {*path_, chunks_, drive_.options.chunks.overlap_m};
-  }
+  [[nodiscard]] ChunkSplit parting() const { return {*path_, chunks_, drive_.options.chunks.overlap_m}; }
   [[nodiscard]] int begun() const { return current_ == 0 ? 0 : ends_[current_ - 1]; }
   /// Identity lines of the current chunk.
   [[nodiscard]] std::string identity() const {
@@ -69,7 +67,7 @@ class ChunkedRun final : public TrainingRun {
   std::vector<DriveChunk> chunks_;
   std::vector<int> ends_;  // iterations of all chunks up to the end of each
   std::size_t current_ = 0;
-  Log log_;  // of the current chunk
+  Log log_;                         // of the current chunk
   std::optional<SingleRun> piece_;  // run of the current chunk
   ChunkParts done_;
   MeanRayDrop ray_drop_;  // of the finished chunks
@@ -80,9 +78,7 @@ class ChunkedRun final : public TrainingRun {
 
 /// Parameters common to all chunks are determined chunk by chunk: LiDARs from the first, and moving objects
 /// continued from the chunk before.
-ChunkedRun::ChunkedRun(TrainingDrive& drive,
-                                     std::unique_ptr<DrivenPath> path,
-                                     std::vector<DriveChunk> chunks)
+ChunkedRun::ChunkedRun(TrainingDrive& drive, std::unique_ptr<DrivenPath> path, std::vector<DriveChunk> chunks)
     : drive_(drive), path_(std::move(path)), chunks_(std::move(chunks)) {
   const TrainingOptions& o = drive.options;
   const FrameSelection all = nothing_held_out(o.frames);
@@ -126,7 +122,7 @@ void ChunkedRun::take_chunk() {
                  log_,
                  options(),
                  identity(),
-                 fmt::format("stretch {} of {}: ", current_ + 1, chunks_.size()),
+                 fmt::format("chunk {} of {}: ", current_ + 1, chunks_.size()),
                  current_ > 0 ? ray_drop_.mean() : std::vector<RayDrop>{});
 }
 
@@ -137,8 +133,8 @@ void ChunkedRun::start(const Training::Progress& progress) {
 }
 
 void ChunkedRun::resume(const std::filesystem::path& checkpoint,
-                               const std::string& tail,
-                               const Training::Progress& progress) {
+                        const std::string& tail,
+                        const Training::Progress& progress) {
   while (current_ < chunks_.size() && identity() != drive_.identity() + tail) {
     read_done(chunk_file(checkpoint, current_));
   }
@@ -216,8 +212,8 @@ void ChunkedRun::merge() {
 }  // namespace
 
 std::unique_ptr<TrainingRun> chunked_run(TrainingDrive& drive,
-                                                    std::unique_ptr<DrivenPath> path,
-                                                    std::vector<DriveChunk> chunks) {
+                                         std::unique_ptr<DrivenPath> path,
+                                         std::vector<DriveChunk> chunks) {
   return std::make_unique<ChunkedRun>(drive, std::move(path), std::move(chunks));
 }
 

@@ -10,7 +10,7 @@ namespace simuli {
 struct LengthOptions {
   bool automatic = false;
   double first_epochs = 10.0;  // uses of each training picture in the first stage
-  double growth = 1.5;  // ratio of the iterations at the ends of consecutive stages
+  double growth = 1.5;         // ratio of the iterations at the ends of consecutive stages
   // Gains per doubling of the iterations that start another stage: dB of training pictures, or the relative
   // decrease of the LiDAR set's loss.
   double gain_db = 0.5;
@@ -22,8 +22,8 @@ constexpr void visit_fields(LengthOptions& o, F&& field) {
   field.group("Length");
   field("auto.on",
         o.automatic,
-        "Train until training frames gain little, whatever iterations says (--iterations auto). true: for a "
-        "drive of unknown difficulty.");
+        "Train until the scores of training frames converge, independent of iterations (--iterations "
+        "auto). true: for a drive of unknown difficulty.");
   field.internal(o.first_epochs);
   field.internal(o.growth);
   field.internal(o.gain_db);
@@ -35,7 +35,7 @@ constexpr void visit_fields(LengthOptions& o, F&& field) {
 /// frames.
 struct LengthStage {
   int iterations = 0;
-  double square = 0.0;  // mean squared colour error of training pictures
+  double square = 0.0;      // mean squared colour error of training pictures
   double lidar_loss = 0.0;  // weighted LiDAR loss, mean over training sweeps
   double gain_db = 0.0;
   double gain_share = 0.0;

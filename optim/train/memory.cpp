@@ -57,8 +57,8 @@ constexpr std::uint64_t kSorts = 2, kScans = 4;
 
 struct Rays {
   std::uint64_t largest = 0;  // rays of the largest frame
-  std::uint64_t rows = 0;  // rows of the highest picture
-  std::uint64_t slots = 0;  // slots of all frames
+  std::uint64_t rows = 0;     // rows of the highest picture
+  std::uint64_t slots = 0;    // slots of all frames
   std::uint64_t frames = 0;
 };
 
@@ -243,11 +243,12 @@ void add_rays(const Device& device, Tally& tally, const Counts& counts, const Lo
 /// Buffers of off-trajectory pictures.
 void add_off_trajectory(Tally& tally, const Counts& counts, std::uint64_t cameras) {
   const std::uint64_t slots = slots_of(counts.images.largest);
-  tally.add("off_trajectory", {"sensor of a recorded view", sizeof(shared::SensorConstants<float>)});
-  tally.add("off_trajectory", {"surfaces of a recorded view", SIM_OUTPUTS * counts.slots() * sizeof(float)});
-  tally.add("off_trajectory", {"picture from beside", 3 * slots * sizeof(float)}, cameras);
-  tally.add("off_trajectory", {"ray_of_slot", slots * sizeof(std::int32_t)}, cameras);
-  tally.add("off_trajectory", {"slots_of_map", slots * sizeof(std::int32_t)}, cameras);
+  tally.add("off-trajectory views", {"sensor of a recorded view", sizeof(shared::SensorConstants<float>)});
+  tally.add("off-trajectory views",
+            {"surfaces of a recorded view", SIM_OUTPUTS * counts.slots() * sizeof(float)});
+  tally.add("off-trajectory views", {"off-trajectory picture", 3 * slots * sizeof(float)}, cameras);
+  tally.add("off-trajectory views", {"ray_of_slot", slots * sizeof(std::int32_t)}, cameras);
+  tally.add("off-trajectory views", {"slots_of_map", slots * sizeof(std::int32_t)}, cameras);
 }
 
 void add_structure(const Device& device, Tally& tally, const Counts& counts, const TrainOptions& options) {
@@ -296,7 +297,8 @@ MemoryNeed training_memory(const Device& device,
   if (!scene.environment.empty()) add_environment(device, tally, scene.environment, counts);
   if (!grids.images.empty()) add_color_grids(device, tally, counts, grids);
   add_rays(device, tally, counts, log, options.cache_bytes);
-  if (options.off_trajectory.weight > 0.0 && counts.images.frames > 0 && counts.camera > 0 && counts.lidar > 0)
+  if (options.off_trajectory.weight > 0.0 && counts.images.frames > 0 && counts.camera > 0 &&
+      counts.lidar > 0)
     add_off_trajectory(tally, counts, log.cameras.size());
   add_structure(device, tally, counts, options);
   if (options.shards.count > 1) {

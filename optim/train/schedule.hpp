@@ -45,9 +45,9 @@ struct LearningRates {
   double mean_final_m = 1e-4;
   double log_scale = 3e-2;
   double rotation = 5e-3;  // of quaternions
-  double opacity = 0.1;  // of logits
-  double sh = 3e-2;  // of degree 0
-  double sh_rest = 4e-3;  // of higher degrees
+  double opacity = 0.1;    // of logits
+  double sh = 3e-2;        // of degree 0
+  double sh_rest = 4e-3;   // of higher degrees
   double final_share = 0.3;
   double last_share = 0.05;
 };
@@ -57,7 +57,7 @@ constexpr void visit_fields(LearningRates& o, F&& field) {
   field("camera.rate.sh",
         o.sh,
         at_least(0.0),
-        "Learning rate of colours at the start. Less: steadier, for long trainings.");
+        "Initial learning rate of colours. Less: more stable, for long trainings.");
   field.internal(o.mean_m);
   field.internal(o.mean_final_m);
   field.internal(o.log_scale);

@@ -26,25 +26,30 @@ constexpr void visit_fields(DensifyOptions& o, F&& field) {
   field("densify.epochs",
         o.epochs,
         at_least(0.0),
-        "Looks at each training picture between additions of particles where they err most. Fewer: "
-        "sharper short trainings, slower; 0: none are added, faster.");
+        "Uses of each training picture between densifications in regions of high error. Fewer: sharper "
+        "short trainings, slower; 0: no densification, faster.");
   field("densify.most",
         o.most,
         at_least(1.0),
-        "Most particles over those at the start. More: sharper pictures, slower.");
+        "Maximum number of particles relative to the initial number. More: sharper pictures, slower.");
   field.internal(o.lidar);
   field.internal(o.growth);
   field.internal(o.noise);
   field.group("Memory");
-  field("densify.cap", o.cap, at_least(0), "Most particles of both sets together. Lower it to save memory.");
+  field("densify.cap",
+        o.cap,
+        at_least(0),
+        "Maximum number of particles of both sets together. Lower it to "
+        "save memory.");
 }
 
 /// Pruning of LiDAR particles that contribute to no training sweep (METHOD section 11).
 struct PruneOptions {
   double weight = 0.12;
   int first = 100;  // first iteration: opacities must have converged
-  int times = 2;  // number of prunings, evenly spaced
-  double last_share = 0.5;  // share of the iterations at the last pruning; the remaining particles adapt afterwards
+  int times = 2;    // number of prunings, evenly spaced
+  double last_share =
+      0.5;  // share of the iterations at the last pruning; the remaining particles adapt afterwards
   /// With each pruning update the LiDARs' range biases by row from the difference between recorded and rendered
   /// ranges (docs/DECISIONS.md, "LiDAR set").
   bool row_ranges = true;
@@ -55,8 +60,8 @@ constexpr void visit_fields(PruneOptions& o, F&& field) {
   field("prune.weight",
         o.weight,
         range(0.0, 1.0),
-        "Weight that a LiDAR particle must have in some ray of a sweep to stay. More: fewer particles, "
-        "faster; 0: all stay.");
+        "Blending weight below which in every ray of the sweeps a LiDAR particle is pruned. More: fewer "
+        "particles, faster; 0: none are pruned.");
   field.internal(o.first);
   field.internal(o.times);
   field.internal(o.last_share);

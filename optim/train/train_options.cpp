@@ -26,7 +26,7 @@ TrainingOptions checked(const TrainingOptions& options) {
   if (options.train.shards.count > 1 && !options.fixer_command.empty()) {
     throw Error(ErrorKind::kUsage,
                 "shards: found " + std::to_string(options.train.shards.count) +
-                    " beside a fixer, allowed 1: repaired pictures are no shard's");
+                    " with a fixer, allowed 1: repaired pictures belong to no shard");
   }
   return options;
 }

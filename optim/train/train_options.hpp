@@ -27,7 +27,7 @@ constexpr void visit_fields(LidarWeights& o, F&& field) {
   field("loss.drop",
         o.drop,
         at_least(0.0),
-        "Weight of errors of ray drop (cross entropy), beside 0.5 for each metre of distance. More: truer "
+        "Weight of the ray-drop loss (cross entropy), relative to 0.5 per metre of distance. More: truer "
         "drops, less exact distances.");
   field.internal(o.distance);
   field.internal(o.intensity);
@@ -71,7 +71,7 @@ struct AppearanceOptions {
   /// docs/DECISIONS.md, "Colour grids".
   ColorGridsOf color_grids = ColorGridsOf::kAuto;
   double environment_rate = 1e-2;  // of texels per step of Adam, initially
-  double grid_rate = 2e-3;  // of grid values, with enough steps per grid
+  double grid_rate = 2e-3;         // of grid values, with enough steps per grid
   double least_share = 0.8;
 };
 template <class F>
@@ -80,15 +80,16 @@ constexpr void visit_fields(AppearanceOptions& o, F&& field) {
   field("color_grids",
         o.color_grids,
         one_of("auto", "pictures", "none"),
-        "What learns colour transforms for exposure and white balance. auto: each picture of a single "
-        "camera, each of several cameras; none: frames render a seventh faster.");
+        "Images that share a bilateral grid for exposure and white balance. auto: each picture of a single "
+        "camera, else each camera; none: frames render a seventh faster.");
   field.internal(o.environment_rate);
   field.internal(o.grid_rate);
   field("appearance.least_share",
         o.least_share,
         at_least(0.0),
-        "Share of a picture, over that of an average particle, below which a particle keeps its first colour, "
-        "and below a tenth its place. More: better views beside the path, less detail on it; 0: all learn.");
+        "Share of a picture, relative to an average particle's, below which a particle's colour is frozen, "
+        "and below a tenth its position. More: better off-trajectory views, less detail on the trajectory; "
+        "0: none are frozen.");
 }
 
 /// Depth supervision of the camera set along LiDAR rays: pictures alone leave depth ambiguous.
@@ -104,8 +105,8 @@ constexpr void visit_fields(DepthOptions& o, F&& field) {
   field("depth.weight",
         o.weight,
         at_least(0.0),
-        "Weight of the camera set's distance error in m along LiDAR rays. More: better views beside the "
-        "path, lower PSNR on it; 0: off, faster.");
+        "Weight of the camera set's distance error in m along LiDAR rays. More: better off-trajectory "
+        "views, lower PSNR on the trajectory; 0: off, faster.");
   field.internal(o.every);
 }
 
@@ -119,17 +120,16 @@ struct OffTrajectoryOptions {
 template <class F>
 constexpr void visit_fields(OffTrajectoryOptions& o, F&& field) {
   field.group("Camera set");
-  field(
-      "off_trajectory.weight",
-      o.weight,
-      at_least(0.0),
-      "Weight of pictures from beside the path, made of the LiDARs' surfaces in the colours of the recorded "
-      "pictures. More: better views beside the path; 0: off, faster.");
+  field("off_trajectory.weight",
+        o.weight,
+        at_least(0.0),
+        "Weight of off-trajectory pictures, made of the LiDARs' surfaces in the colours of the recorded "
+        "pictures. More: better off-trajectory views; 0: off, faster.");
   field("off_trajectory.reach_m",
         o.reach_m,
         range(0.0, 10.0),
-        "Distance in m to either side of the path from which these pictures are taken. As far as cameras "
-        "will leave the path.");
+        "Largest lateral distance in m of these views from the trajectory. As far as cameras will leave "
+        "the trajectory.");
 }
 
 /// Several frames per step, and devices that share them (METHOD section 10).
@@ -144,7 +144,7 @@ constexpr void visit_fields(ShardOptions& o, F&& field) {
   field("shards",
         o.count,
         range(1, 1024),
-        "Pictures and sweeps of which each iteration takes the mean. As many devices or ranks can share a "
+        "Pictures and sweeps whose gradients each iteration averages. As many devices or ranks can share a "
         "training.");
   field.internal(o.rate_power);
 }
@@ -191,20 +191,21 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field("iterations",
         o.iterations,
         at_least(0),
-        "Steps of training, one picture each. More: sharper pictures, longer; beyond 1500 views beside the "
-        "path get worse.");
+        "Training steps, one picture each. More: sharper pictures, slower; beyond 1500 off-trajectory "
+        "views get worse.");
   field.part("", o.length);
   field.part("", o.shards);
   field("max_seconds",
         o.max_seconds,
         at_least(0.0),
-        "Time in s after which training stops early, less settled than one of fewer iterations; 0: never.");
+        "Time in s after which training stops early, less converged than a training of fewer iterations; "
+        "0: never.");
   field.group("LiDAR set");
   field("lidar_every",
         o.lidar_every,
         at_least(1),
-        "Iterations for each sweep of a LiDAR that is trained on; of several one sweep an iteration at most. 1: "
-        "better LiDAR, slower; more: faster.");
+        "Iterations per sweep of a LiDAR; with several LiDARs at most one sweep per iteration. 1: better "
+        "LiDAR, slower; more: faster.");
   field.part("", o.image);
   field.part("", o.appearance);
   field.part("", o.camera);
@@ -220,22 +221,21 @@ constexpr void visit_fields(TrainOptions& o, F&& field) {
   field.group("Actors");
   field("actors.shape.learn",
         o.learn_shapes,
-        "Learn how people and riders change their shape. false: faster, legs blur.");
+        "Learn the deformation of people and riders. false: faster, blurred legs.");
   field.group("Memory");
   field("memory_bytes",
         o.memory_bytes,
         at_least(0),
-        "Bytes of the device's memory that training may use; a drive that needs more is cut into stretches. "
-        "0: all there are.");
+        "Limit of device memory in bytes; a drive that needs more is split into chunks. 0: all device "
+        "memory.");
   field("cache_bytes",
         o.cache_bytes,
         at_least(0),
-        "Bytes of pictures, and of sweeps, kept on the device. More: fewer copies, faster.");
+        "Bytes of pictures, and of sweeps, cached on the device. More: fewer copies, faster.");
   field("host_cache_bytes",
         o.host_cache_bytes,
         at_least(0),
-        "Bytes of frames kept in the host's memory as they were read, up to a quarter of it. More: fewer "
-        "reads of files.");
+        "Bytes of frames cached in host memory, up to a quarter of it. More: fewer file reads.");
   field.group("Rendering");
   field.part_in_training("", o.render);
 }

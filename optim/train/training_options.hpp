@@ -14,7 +14,7 @@ namespace simuli {
 
 struct TrainingOptions {
   FrameSelection frames = {};
-  bool refine_path = true;  // see with_refined_path()
+  bool refine_path = true;    // see with_refined_path()
   bool learn_sensors = true;  // see with_learned_sensors()
   bool find_actors = true;
   bool inpaint_behind_actors = true;
@@ -24,7 +24,8 @@ struct TrainingOptions {
   FixerOptions fixer = {};
   ChunkOptions chunks = {};
   bool cache_initialization = true;  // read and write the initialisation cache (initialization_cache.hpp)
-  std::string fixer_command = {};  // program that repairs off-trajectory pictures (docs/FIXERS.md); empty: none
+  std::string fixer_command =
+      {};  // program that repairs off-trajectory pictures (docs/FIXERS.md); empty: none
 };
 
 /// The setting keys with allowed values and help (host/core/base/fields.hpp).
@@ -46,12 +47,12 @@ constexpr void visit_fields(TrainingOptions& o, F&& field) {
   field(
       "actors.find",
       o.find_actors,
-      "Find in the sweeps what moves and has no label, and where labels go on. false: labels are complete.");
+      "Find unlabelled moving objects in the sweeps, and extend labels in time. false: labels are complete.");
   field.internal(o.actors);
   field("actors.inpaint",
         o.inpaint_behind_actors,
-        "Fill surfaces that only actors ever hid, so that actors can be moved or removed. false: shorter end "
-        "of the training, holes there.");
+        "Inpaint surfaces that actors occlude in all frames, so that actors can be moved or removed. "
+        "false: shorter end of the training, holes there.");
   field.part("", o.fixer);
   field.part("", o.chunks);
   field.internal(o.cache_initialization);

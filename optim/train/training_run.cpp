@@ -9,9 +9,9 @@
 #include "optim/actors/complete_actors.hpp"
 #include "optim/actors/find_actors.hpp"
 #include "optim/complete/inpaint_disocclusions.hpp"
+#include "optim/data/sensor_learning.hpp"
 #include "optim/init/initialize.hpp"
 #include "optim/init/initialize_sets.hpp"
-#include "optim/data/sensor_learning.hpp"
 #include "optim/train/judgement.hpp"
 
 namespace simuli {
@@ -62,7 +62,8 @@ void TrainingDrive::find_moving(const Log& seen, const FrameSelection& frames) {
       frames,
       options.actors);
   for (const std::string& name : found.standing) {
-    report.labels.push_back(fmt::format("label {}: what is in it stands while it drives: left out", name));
+    report.labels.push_back(
+        fmt::format("label {}: its content is static while the box moves: left out", name));
     report.left_out.push_back(name);
   }
   CompletedActors completed = complete_actors(std::move(log.actors), found);
@@ -79,11 +80,11 @@ SceneFile TrainingDrive::file_of(Scene scene) const {
 }
 
 SingleRun::SingleRun(TrainingDrive& drive,
-                                   const Log& log,
-                                   TrainingOptions options,
-                                   std::string identity,
-                                   std::string name,
-                                   std::vector<RayDrop> ray_drop)
+                     const Log& log,
+                     TrainingOptions options,
+                     std::string identity,
+                     std::string name,
+                     std::vector<RayDrop> ray_drop)
     : drive_(drive),
       log_(log),
       options_(std::move(options)),
@@ -115,9 +116,9 @@ void SingleRun::place_particles(const Training::Progress& progress) {
 }
 
 void SingleRun::resume(const std::filesystem::path& checkpoint,
-                              const std::string& tail,
-                              const Training::Progress& progress) {
-  if (!tail.empty()) throw_input_error(checkpoint.string(), "stretch", tail, "a drive in one piece");
+                       const std::string& tail,
+                       const Training::Progress& progress) {
+  if (!tail.empty()) throw_input_error(checkpoint.string(), "stretch", tail, "a run without chunks");
   if (!trainer_) place_particles(progress);
   trainer_->resume(checkpoint, identity_);
   trainer_->need_one_state(identity_);

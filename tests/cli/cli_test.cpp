@@ -51,7 +51,8 @@ TEST_F(Cli, SetHelpListsKeysWithDefaultsRangesAndMeanings) {
   EXPECT_NE(train.out.find("\nStart\n  init.voxel_m=0.1  (0.001 to 50)\n      Side of"), std::string::npos);
   EXPECT_EQ(line_of(train.out, "render.extent").find("  render.extent=exact  ("), 0U);
   const Outcome draft = run("eval --set help --quality draft");
-  EXPECT_EQ(line_of(draft.out, "render.shutter_iterations"), "  render.shutter_iterations=1  (0 to 64 (whole))");
+  EXPECT_EQ(line_of(draft.out, "render.shutter_iterations"),
+            "  render.shutter_iterations=1  (0 to 64 (whole))");
   EXPECT_EQ(line_of(draft.out, "render.sh_storage").find("  render.sh_storage=half  ("), 0U);
   EXPECT_EQ(line_of(draft.out, "init.voxel_m"), "");
   const Outcome render = run("--json render --set help");
@@ -251,7 +252,7 @@ TEST_F(Cli, DamagedLogsAreOneLineAndLeaveNothing) {
   const fs::path json = folder_ / "a.log" / "log.json";
   const std::string whole = head_of(json);
   put(json, replaced(whole, "\"width_px\"", "\"width_cm\""));
-  expect_failure("train a.log -o s.scene", kInput, "width_px: found no such key beside");
+  expect_failure("train a.log -o s.scene", kInput, "width_px: found no such key; the keys are");
   put(json, replaced(whole, "\"name\"", "\"colour\": 1, \"name\""));
   expect_failure("info a.log", kInput, "colour");
   put(json, whole);

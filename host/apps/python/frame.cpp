@@ -20,7 +20,7 @@ constexpr std::pair<const char*, const char*> kArrays[] = {
     {"feature", "[rows, columns, 3] as blended: colour, or intensity, hit logit, drop logit"},
     {"transmittance", "light that comes through all"},
     {"opacity", "1 - transmittance"},
-    {"distance_m", "mean of where a ray's light comes from; 0: nothing was met"},
+    {"distance_m", "expected distance along each ray; 0: no surface"},
     {"median_m", "where half of the light is gone; 0: nowhere"},
     {"distance_sum_m", "sum of w tau: distance_m times opacity, what gradients are taken of"},
     {"depth_m", "of cameras: the part of median_m along the optical axis"},
@@ -208,8 +208,7 @@ void add_frames(py::module_& m) {
           },
           py::arg("name"),
           "An array's memory for `from_dlpack()` of torch, JAX or NumPy, without a copy: float32 on the "
-          "host. It "
-          "is the frame's own; who does not ask for DLPack 1 is not told that it is read-only.")
+          "host. It belongs to the frame and is read-only, which only DLPack 1 can express.")
       .def(
           "__dlpack__",
           [](PyFrame& f, const py::kwargs& asked) { return main_tensor(f).attr("__dlpack__")(**asked); },

@@ -119,8 +119,8 @@ class PyScene {
     if (file_.support == nullptr) {
       throw Error(
           ErrorKind::kUsage,
-          "mirror_actor: found a scene that does not say which sides of actors were seen, allowed one "
-          "that says so: train it anew");
+          "mirror_actor: found a scene without a record of the seen sides of actors, allowed one with it: "
+          "train it again");
     }
     bool done = false;
     change([&](Scene& s) {
@@ -337,9 +337,10 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("graded") = true,
            py::arg("rays") = py::none(),
            py::arg("actors") = false,
-           "Queues a frame of a Sensor, or of one by name: the scene's own, a built-in one, a sensor file. "
-           "Without a pose where it is on the recorded path. graded: pictures through the scene's colour "
-           "grids; rays: [rows, columns], those that are not 0 are rendered, the others see the background; "
+           "Queues a frame of a Sensor, or of a name: a sensor of the scene, a built-in one, a sensor file. "
+           "Without a pose the sensor follows the recorded trajectory. graded: pictures through the scene's "
+           "colour "
+           "grids; rays: [rows, columns], rays with nonzero flags are rendered, others show the background; "
            "actors: also frame.actors.")
       .def("render_batch",
            &PyScene::render_batch,
@@ -351,7 +352,7 @@ void add_rendering(py::class_<PyScene>& scene) {
            py::arg("graded") = true,
            py::arg("rays") = py::none(),
            py::arg("actors") = false,
-           "A frame for each time (and pose, [n, 4, 4]), all on their way at once.")
+           "Queues a frame for each time (and pose, [n, 4, 4]) before the first is finished.")
       .def("particles",
            &PyScene::particles,
            py::arg("lidar") = false,
@@ -360,7 +361,7 @@ void add_rendering(py::class_<PyScene>& scene) {
            &PyScene::set_particles,
            py::arg("params"),
            py::arg("lidar") = false,
-           "Those of particles() from now on; another number of them only where no actor has any.")
+           "Replaces particles(); a different number is allowed only if no actor has particles.")
       .def("gradients",
            &PyScene::gradients,
            py::arg("frame"),
@@ -416,7 +417,7 @@ void add_scenes(py::module_& m) {
           "add_sensor",
           [](PyScene& s, const Sensor& sensor) { s.rig().add(s.in_place(sensor)); },
           py::arg("sensor"),
-          "Makes it one of the scene's, to be rendered by its name.")
+          "Adds a sensor to the scene, to be rendered by its name.")
       .def_property_readonly(
           "span",
           [](const PyScene& s) { return std::pair(s.path().start_s(), s.path().end_s()); },
@@ -450,7 +451,7 @@ void add_scenes(py::module_& m) {
            &PyScene::duplicate,
            py::arg("actor"),
            py::arg("new_name"),
-           "The same once more, at the same place until it is edited.")
+           "Adds a copy of an actor with the same track, until it is edited.")
       .def(
           "add_actor",
           [](PyScene& s, const PyScene& other, const std::string& actor, const std::string& as) {
@@ -470,8 +471,9 @@ void add_scenes(py::module_& m) {
           py::arg("object"),
           py::arg("new_name"),
           py::arg("world_from_base"),
-          "What stands still in another scene, or all of a file of splats, as an actor. world_from_base: "
-          "4 x 4, where the middle of its base stands, for good.")
+          "Adds the static content of another scene, or a file of splats, as an actor. world_from_base: 4 x "
+          "4, "
+          "the permanent pose of the centre of its base.")
       .def(
           "resize_actor",
           [](PyScene& s, const std::string& actor, double factor) {
@@ -479,14 +481,15 @@ void add_scenes(py::module_& m) {
           },
           py::arg("actor"),
           py::arg("factor"),
-          "So many times as large; it stands where it stood.")
+          "Scales an actor by a factor; its ground position stays.")
       .def("mirror_actor",
            &PyScene::mirror,
            py::arg("actor"),
            py::arg("recorded") = "",
-           "Of which one side alone was recorded: the other shows it mirrored. False, and nothing done, "
-           "where both "
-           "sides were seen, or none. recorded: the recorded actor; default: the original of a duplicated "
+           "Mirrors an actor of which one side was recorded to its other side. Returns False and does "
+           "nothing if "
+           "both sides were seen, or none. recorded: the recorded actor; default: the original of a "
+           "duplicated "
            "actor.")
       .def("__repr__",
            [](const PyScene& s) {

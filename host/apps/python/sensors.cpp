@@ -316,7 +316,7 @@ void add_sensors(py::module_& m) {
           "rig_from_sensor",
           [](const Sensor& s) { return array_of(s.rig_from_sensor()); },
           "4 x 4, its mounting")
-      .def_property_readonly("K", &intrinsics_of, "of a camera: 3 x 3, px; lenses bend beside it")
+      .def_property_readonly("K", &intrinsics_of, "of a camera: 3 x 3, px, without the lens distortion")
       .def_property_readonly(
           "lens", [](const Sensor& s) { return to_string(s.camera().lens.kind()); }, "of a camera: its model")
       .def_property_readonly("lens_parameters", &lens_parameters, "of a camera: name -> value")
@@ -377,7 +377,8 @@ void add_sensors(py::module_& m) {
         py::arg("parameters") = std::vector<double>{},
         py::arg("shutter") = "global",
         py::arg("duration_s") = 0.0,
-        "Pixels; the centre of the first one is (0.5, 0.5). Until it is mounted() it stands where a scene's "
+        "Pixels; the centre of the first one is (0.5, 0.5). Until it is mounted() it has the mounting of a "
+        "scene's "
         "first camera "
         "does.");
   m.def("lidar",
@@ -393,7 +394,7 @@ void add_sensors(py::module_& m) {
         py::arg("range_max_m") = 200.0,
         py::arg("beam_divergence_rad") = 0.0,
         py::arg("azimuth_offset_rad") = py::none(),
-        "Beams from top to bottom. Until it is mounted() it stands where a scene's first LiDAR does.");
+        "Beams from top to bottom. Until it is mounted() it has the mounting of a scene's first LiDAR.");
   py::class_<ActorEdit>(
       m, "Edit", "A change of what an actor does: remove, move, turn, retime, retrack.", made_objects_only())
       .def_readonly("actor", &ActorEdit::actor, "whose")

@@ -220,7 +220,7 @@ class Importer {
     auto& model = std::get<Lidar>(lidar.model);
     model.range_max = std::max(1.0, std::ceil(static_cast<double>(farthest)));
     report_.notes.push_back(fmt::format(
-        "lidar {}: NCore tells no range and no divergence: {} m, its farthest return, and an ideal ray",
+        "lidar {}: NCore has no range and no divergence: using {} m, its farthest return, and ideal rays",
         name,
         model.range_max));
   }

@@ -117,8 +117,7 @@ void Sequence::add(std::unique_ptr<const ZarrStore> opened) {
     clock_ = Clock(integer_or(ours_, "start_ns", static_cast<std::int64_t>(first_us) * kNanoseconds),
                    integer_or(ours_, "shift_us", 0));
   } else if (id != id_) {
-    throw_input_error(
-        root.file(), "sequence_id", '"' + id.substr(0, 60) + '"', "that of the stores beside it");
+    throw_input_error(root.file(), "sequence_id", '"' + id.substr(0, 60) + '"', "that of the other stores");
   }
   add_components(store);
 }

@@ -187,8 +187,8 @@ PhotoSet read_nerfstudio(const NerfstudioOptions& options) {
           masked));
     }
     if (with_depth > 0) {
-      set.notes.push_back(fmt::format(
-          "{} depth pictures are left out; points of ply_file_path tell how far things are", with_depth));
+      set.notes.push_back(
+          fmt::format("{} depth pictures are left out; points of ply_file_path are used", with_depth));
     }
     if (!moved.empty()) {
       set.notes.push_back(

@@ -231,7 +231,7 @@ void fit_table(
     lidar = in_mode(lidar, mode);
   }
   const int changed = set_firing_pattern(runs, lidar);
-  if (changed > 0) note(fmt::format("{} rows fire in other columns than the table says", changed));
+  if (changed > 0) note(fmt::format("{} beams fire in other columns than in the table", changed));
 }
 
 }  // namespace

@@ -228,18 +228,18 @@ std::vector<CloudPoint> points_of(const PointCloudMessage& message,
       if (fields.time) {
         point.time_s = time_of(value_of(*fields.time, at), fields, stamp_s);
         if (!(std::abs(point.time_s) <= kMostFromStamp_s)) {
-          refuse(
-              "field " + fields.time->name,
-              point.time_s,
-              fmt::format("within {} s of the stamp; --point-time says what else it is", kMostFromStamp_s));
+          refuse("field " + fields.time->name,
+                 point.time_s,
+                 fmt::format("within {} s of the stamp, or --point-time for another unit", kMostFromStamp_s));
         }
       }
       if (fields.intensity) {
         const double value = value_of(*fields.intensity, at);
         if (!(value >= 0.0 && value <= fields.intensity_most)) {
-          refuse("field " + fields.intensity->name,
-                 value,
-                 fmt::format("0 to {:g}; --intensity FIELD:MOST says another", fields.intensity_most));
+          refuse(
+              "field " + fields.intensity->name,
+              value,
+              fmt::format("0 to {:g}, or --intensity FIELD:MOST for another range", fields.intensity_most));
         }
         point.intensity = static_cast<float>(value / fields.intensity_most);
       }

@@ -120,7 +120,7 @@ class Fit {
       }
       if (best < 0 || least > tolerances[static_cast<std::size_t>(best)]) {
         refuse(fmt::format("ring {}", ring),
-               best < 0 ? "on no row" : fmt::format("{:.2f} degrees beside the nearest row", least / kDegree),
+               best < 0 ? "on no row" : fmt::format("{:.2f} degrees from the nearest beam", least / kDegree),
                fmt::format("on a row of {}: {}", out.model.name, doubt(rings)));
       }
       const auto [other, is_new] = ring_of.emplace(best, ring);
@@ -168,7 +168,7 @@ class Fit {
     if (std::abs(*best) < kLeastCoherent) {
       refuse("points' times",
              "such that fit no turn",
-             fmt::format("one turn in {:.4f} s: --point-time says what they are", period_s));
+             fmt::format("one revolution in {:.4f} s, or --point-time for another unit", period_s));
     }
     if (side != model.spin) {
       model.spin = side;
@@ -197,7 +197,7 @@ class Fit {
     if (has_times && last_s - first_s > 1.5 * period_s) {
       refuse("points' times",
              fmt::format("{:.4f} s from first to last", last_s - first_s),
-             fmt::format("a turn's {:.4f} s: --point-time FIELD:UNIT says another unit", period_s));
+             fmt::format("a revolution's {:.4f} s, or --point-time FIELD:UNIT for another unit", period_s));
     }
     if (!has_times && stamp == Stamp::kUnknown)
       refuse("points' times", "none", "some, or --stamp start or end: which of the sweep a stamp is");
@@ -333,7 +333,7 @@ RecordedLidar fit_recorded(const Ros2Lidar& as_asked,
   if (!std::isnan(rings.begin()->second.front()->time_s)) fit.turn(rings);
   const int changed = set_firing_pattern(turn.runs, fit.out.model);
   if (changed > 0)
-    fit.out.notes.push_back(fmt::format("{} rows fire in other columns than the table says", changed));
+    fit.out.notes.push_back(fmt::format("{} beams fire in other columns than in the table", changed));
   return fit.out;
 }
 
@@ -363,7 +363,7 @@ std::vector<MeasuredPoint> measured(const std::vector<CloudPoint>& points,
           file,
           where + ": a point's time",
           fmt::format("{:.4f} s after the stamp", point.time_s),
-          fmt::format("within its sweep of {:.4f} s, or half of one beside it", lidar.model.sweep_s));
+          fmt::format("within its sweep of {:.4f} s, or half a sweep outside", lidar.model.sweep_s));
     }
     out.push_back(m);
   }

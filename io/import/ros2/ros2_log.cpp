@@ -290,7 +290,7 @@ class Importer {
       if (info == scan_.infos.end() && !has_lens) {
         const std::string lacks = "no " + folder_of(topic) + "/camera_info";
         if (is_asked)
-          throw_input_error(file_, topic, lacks, "a CameraInfo beside it, or --camera TOPIC=FILE");
+          throw_input_error(file_, topic, lacks, "a CameraInfo topic beside it, or --camera TOPIC=FILE");
         note("left out: " + topic + ", " + lacks);
         continue;
       }
@@ -400,7 +400,7 @@ class Importer {
     }
     const Pose turn{turn_between(up, Eigen::Vector3d::UnitZ()), Eigen::Vector3d::Zero()};
     for (TimedPose& p : poses) p.pose = turn * p.pose;
-    note(fmt::format("the path's frame is turned by {:.1f} degrees: {} stands upright then, and z is up",
+    note(fmt::format("the world frame is rotated by {:.1f} degrees, so that {} is upright and z is up",
                      tilt / kDegree,
                      options_.rig_frame));
   }

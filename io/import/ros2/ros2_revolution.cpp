@@ -22,7 +22,7 @@ constexpr double kSameRate = 0.1;     // relative tolerance of a mode's rate; se
 constexpr double kSameTurn = 0.03;    // relative tolerance of two measurements of one revolution
 constexpr double kSameColumns = 0.08;
 constexpr double kThinned = 4.0;  // fewer columns than any mode by this factor are not a mode
-constexpr char kUnit[] = "--point-time says what they are, FIELD:UNIT";
+constexpr char kUnit[] = "--point-time FIELD:UNIT for another unit";
 
 /// A point relative to its beam.
 struct Fired {
@@ -251,11 +251,11 @@ class RevolutionFinder {
                          asked_.table.name));
     }
     if (steps * kThinned < at_rate.front().columns || steps > kThinned * at_rate.front().columns) {
-      notes_.push_back(
-          fmt::format("points stand {:.0f} to a turn, {} fire: thinned clouds, whose other rays count "
-                      "as such that returned nothing",
-                      steps,
-                      at_rate.front().columns));
+      notes_.push_back(fmt::format(
+          "points have {:.0f} columns per revolution, the table {}: thinned clouds, whose other rays count "
+          "as such that returned nothing",
+          steps,
+          at_rate.front().columns));
       return {hz, at_rate.front().columns};
     }
     return {hz, static_cast<int>(std::lround(steps))};

@@ -19,7 +19,8 @@ using SweepsOfRow = std::vector<std::vector<BeamPoint>>;
 
 constexpr double kWidest_m = 0.08;  // horizontal offset, either side
 constexpr double kStep_m = 2e-3;
-constexpr double kCoherent = 0.7;  // mean of exp(i ticks azimuth): 1 for azimuths on a grid, 0 for random ones
+constexpr double kCoherent =
+    0.7;  // mean of exp(i ticks azimuth): 1 for azimuths on a grid, 0 for random ones
 /// Smallest difference between the best and the worst offset: at equal ranges all offsets fit alike.
 constexpr double kContrast = 0.05;
 
@@ -286,8 +287,8 @@ void find_azimuth_offsets(const BeamPoints& points, std::size_t base, BeamTable&
   }
   if (unknown == 0) return;
   table.notes.push_back(
-      fmt::format("azimuth offset of {} of {} rows: not determined, when they fired leaves no pattern that "
-                  "stands out; set to 0",
+      fmt::format("azimuth offset of {} of {} beams: not determined, because their firing times show no "
+                  "clear pattern; set to 0",
                   unknown,
                   rows));
 }

@@ -29,7 +29,7 @@ constexpr double kGate_rad = 0.6e-3;  // tolerance of a beam's points about its 
 /// A line in the plane of axis distance and height.
 struct Line {
   double elevation = 0.0;  // rad
-  double height = 0.0;  // m, intersection with the axis
+  double height = 0.0;     // m, intersection with the axis
 
   /// Sine of the angle, from the origin, of a point above the line.
   [[nodiscard]] double error(double distance, double z) const {
@@ -241,7 +241,7 @@ void borrow_offsets(const BeamPoints& points, BeamTable& table) {
     table.notes.push_back(
         fmt::format("vertical offset of {} of {} rows: not determined, their returns are all about as far "
                     "away; taken from "
-                    "the rows beside them",
+                    "neighbouring beams",
                     unknown,
                     table.rows.size()));
   }

@@ -121,10 +121,9 @@ void need_better(const std::vector<CameraView>& views,
                                   (*texture)[1]));
   }
   if (against.empty()) return;
-  refuse(given,
-         fmt::format("pictures that {} has not seen speak against what it asks for: {}",
-                     whose,
-                     fmt::join(against, "; ")));
+  refuse(
+      given,
+      fmt::format("pictures that {} did not use contradict its result: {}", whose, fmt::join(against, "; ")));
 }
 
 void settle(const LogCamera& given, CameraPoseReport& report) {

@@ -23,13 +23,12 @@ constexpr void visit_fields(ChunkOptions& o, F&& field) {
   field("chunk.length_m",
         o.length_m,
         zero_or(at_least(1.0)),
-        "Length in m of the stretches of path that are trained one after the other. Shorter: less memory; 0: "
-        "all at once.");
+        "Length in m of chunks of the trajectory that are trained in sequence. Shorter: less memory; 0: a "
+        "single chunk.");
   field("host_memory_bytes",
         o.host_memory_bytes,
         at_least(0),
-        "Bytes of the host's memory that training may use; a drive that needs more is cut into stretches. 0: "
-        "not limited.");
+        "Limit of host memory in bytes; a drive that needs more is split into chunks. 0: not limited.");
   field.internal(o.overlap_m);
   field.internal(o.overlap_share);
 }

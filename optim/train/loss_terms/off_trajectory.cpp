@@ -19,15 +19,16 @@ class OffTrajectoryLossTerm final : public LossTerm {
 
   [[nodiscard]] bool is_due() const override {
     const OffTrajectoryOptions& o = state_.options.off_trajectory;
-    return o.weight > 0.0 && state_.status.iteration % OffTrajectoryOptions::kEvery == 0 && !state_.images.empty() &&
-           set_.particles.count > 0 && state_.lidar.particles.count > 0;
+    return o.weight > 0.0 && state_.status.iteration % OffTrajectoryOptions::kEvery == 0 &&
+           !state_.images.empty() && set_.particles.count > 0 && state_.lidar.particles.count > 0;
   }
 
  private:
   [[nodiscard]] RenderedShard show(std::size_t shard, RealBuffer& error) override;
 
   SeenSurfaces surfaces_;  // surfaces seen by the recorded picture
-  std::map<std::string, RayValues> shown_;  // by camera: colours of the recorded picture in the off-trajectory view
+  std::map<std::string, RayValues>
+      shown_;  // by camera: colours of the recorded picture in the off-trajectory view
 };
 
 RenderedShard OffTrajectoryLossTerm::show(std::size_t shard, RealBuffer& /*error*/) {
@@ -36,11 +37,12 @@ RenderedShard OffTrajectoryLossTerm::show(std::size_t shard, RealBuffer& /*error
   const SensorRays& rays = state_.truth.camera_rays(frame.camera);
   // Counter of off-trajectory pictures over all shards.
   const std::uint64_t picture = static_cast<std::uint64_t>(state_.status.iteration) * shard_count() + shard;
-  const double left_m = state_.options.off_trajectory.reach_m * (2.0 * drawn(state_.seed, kStream, picture) - 1.0);
+  const double left_m =
+      state_.options.off_trajectory.reach_m * (2.0 * drawn(state_.seed, kStream, picture) - 1.0);
   const Shot shot =
       shot_of(state_.log, frame).shifted_left(state_.log.camera(frame.camera).rig_from_camera, left_m);
   const View there = view_of(state_.scene, shot, SetKind::kCamera);
-  RayValues& shown = shown_.try_emplace(frame.camera, rays, 3, "picture from beside").first->second;
+  RayValues& shown = shown_.try_emplace(frame.camera, rays, 3, "off-trajectory picture").first->second;
   state_.renderer.render(state_.lidar.particles, rays, view_of(state_.log, state_.scene, frame))
       .keep_surfaces(surfaces_);
   state_.renderer.render(state_.lidar.particles, rays, there)
@@ -59,6 +61,8 @@ RenderedShard OffTrajectoryLossTerm::show(std::size_t shard, RealBuffer& /*error
 
 }  // namespace
 
-std::unique_ptr<LossTerm> off_trajectory_loss_term(TrainerState& state) { return std::make_unique<OffTrajectoryLossTerm>(state); }
+std::unique_ptr<LossTerm> off_trajectory_loss_term(TrainerState& state) {
+  return std::make_unique<OffTrajectoryLossTerm>(state);
+}
 
 }  // namespace simuli

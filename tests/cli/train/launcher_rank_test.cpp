@@ -46,7 +46,7 @@ TEST(LauncherRank, EveryLauncherIsUnderstood) {
 }
 
 TEST(LauncherRank, WhatDoesNotFitIsRefused) {
-  expect_refused({{"PMIX_RANK", "1"}}, "SLURM_NTASKS: found \"\", allowed a number beside PMIX_RANK");
+  expect_refused({{"PMIX_RANK", "1"}}, "SLURM_NTASKS: found \"\", allowed a number, together with PMIX_RANK");
   expect_refused({{"OMPI_COMM_WORLD_RANK", "1"}}, "OMPI_COMM_WORLD_SIZE: found \"\"");
   expect_refused({{"PMI_RANK", "4"}, {"PMI_SIZE", "4"}},
                  "PMI_RANK: found \"4\", allowed less than PMI_SIZE, 4");

@@ -147,23 +147,24 @@ void add_file_options(Command sub, FileOptions& options) {
       .one_of({"world", "sensor", "sensor_start"});
   sub.option("--outputs",
              options.outputs,
-             "of cameras, parted by commas: rgb, depth, mean_depth (along z), distance, mean_distance (along "
-             "the ray), opacity, actors, normals, support (how well it is known, 0 to 1), flow (px) and "
-             "scene_flow (m) to the next frame; of LiDARs actors, support: columns of the clouds")
+             "outputs of cameras, comma-separated: rgb, depth, mean_depth (along z), distance, "
+             "mean_distance (along the ray), opacity, actors, normals, support (by the training frames, 0 "
+             "to 1), flow (px) and scene_flow (m) to the next frame; of LiDARs actors, support: columns of "
+             "the clouds")
       .with_default();
   sub.option("--values",
              options.values,
-             "what outputs but rgb are written as: exr, a file of floats each (actors: PNG of 16 bits); npz, "
-             "one file of arrays; or png, of opacity and support, 255 being 1, and of flow as KITTI has it")
+             "format of outputs except rgb: exr, one float file each (actors: PNG of 16 bits); npz, one "
+             "file of arrays; or png, for opacity and support with 255 for 1, and for flow in KITTI's "
+             "encoding")
       .one_of({"exr", "npz", "png"})
       .with_default();
   sub.option("--labels",
              options.labels,
-             "boxes, truncation, occlusion, pixels or returns of actors in frames.json (json), and as data "
-             "sets of "
-             "KITTI, COCO or nuScenes have them")
+             "boxes, truncation, occlusion, pixels or returns of actors in frames.json (json), and in the "
+             "format of KITTI, COCO or nuScenes")
       .one_of({"json", "kitti", "coco", "nuscenes"});
-  sub.flag("--mark-unseen", options.mark_unseen, "hatch in pictures what no recorded camera faced");
+  sub.flag("--mark-unseen", options.mark_unseen, "hatch pixels that no recorded camera faced");
 }
 
 FrameFiles::FrameFiles(const FileOptions& options,

@@ -95,11 +95,13 @@ void add_plan_options(Command sub, PlanOptions& options) {
   sub.option("--trajectory", options.trajectory, "recorded: the scene's own, or a log folder").with_default();
   sub.option(
       "--times", options.times, "t0:t1:dt, frame starts in s of the log; default: the recorded frames");
-  sub.option(
-      "--frames", options.frames, "a:b, first and last of the sensor's recorded frames, from 0; a: one");
-  sub.option("--duration", options.duration_s, "of one frame, s; default: as recorded, or as the sensor says")
+  sub.option("--frames",
+             options.frames,
+             "a:b, first and last of the sensor's recorded frames, counted from 0; a: "
+             "one frame");
+  sub.option("--duration", options.duration_s, "of one frame, s; default: as recorded, or the sensor's")
       .non_negative();
-  sub.option("--speed", options.speed, "drive the path this many times as fast as recorded")
+  sub.option("--speed", options.speed, "factor on the recorded speed along the trajectory")
       .range(0.01, 100.0);
 }
 

@@ -206,8 +206,8 @@ void warn_of_kitti(const std::vector<Actor>& actors) {
   for (const Actor& actor : actors) {
     if (has_label_class(actor.kind, LabelNames::kKitti)) continue;
     std::cerr << fmt::format(
-        "simuli: {} is a \"{}\", which KITTI has no class for: written as Misc; --class {}:car "
-        "would say what it is\n",
+        "simuli: {} is a \"{}\", for which KITTI has no class: written as Misc; --class {}:car sets "
+        "another class\n",
         actor.name,
         actor.kind,
         actor.name);
@@ -380,8 +380,8 @@ void print_unseen(const std::vector<Actor>& recorded,
     });
     if (is_seen) continue;
     std::cerr << fmt::format(
-        "simuli: note: {} is in none of these frames: it stands where its track, or the "
-        "start of the path, puts it (--track, --move)\n",
+        "simuli: note: {} is visible in none of these frames: its position is that of its track, or the "
+        "start of the trajectory (--track, --move)\n",
         actor.name);
   }
 }
@@ -440,27 +440,29 @@ void render(RenderCommand command, const Globals& globals) {
 
 void add_render(Command app, const Globals& globals) {
   const auto command = std::make_shared<RenderCommand>();
-  Command sub = app.command("render", "what a sensor sees of a scene along a trajectory");
+  Command sub = app.command("render",
+                            "render a scene along a trajectory as its sensors or other ones see "
+                            "it");
   sub.option("SCENE", command->scene, "scene folder, or splats: .ply, .spz, .glb").required();
   add_sensor_options(sub, command->sensors);
   sub.option(
          "-o,--output",
          command->output,
-         "folder to make: pictures, or clouds and range pictures, and frames.json; of several sensors in "
-         "a folder each; or a video.mp4; or a recording of ROS 2, drive.mcap, by default of all sensors of "
-         "the scene")
+         "folder to write: pictures, or clouds and range pictures, and frames.json; one folder per sensor "
+         "if there are several; or a video.mp4; or a ROS 2 recording, drive.mcap, by default of all "
+         "sensors of the scene")
       .required();
   add_file_options(sub, command->files);
-  sub.option("--fps", command->frames_per_s, "of a video; default: as the frames follow each other")
+  sub.option("--fps", command->frames_per_s, "frame rate of a video; default: from the frames' times")
       .range(kLeastRate, kMostRate);
   sub.option("--start-ns",
              command->start_ns,
-             "of an .mcap file: nanoseconds since 1970 of the scene's time 0; default: as the log of "
-             "--trajectory says, else about a second")
+             "of an .mcap file: nanoseconds since 1970 of the scene's time 0; default: that of the log of "
+             "--trajectory, else about a second")
       .non_negative();
   Option as_log = sub.flag("--as-log",
                            command->as_log,
-                           "the folder becomes a log, by default of all sensors of the scene, to train on");
+                           "write the folder as a log for training, by default of all sensors of the scene");
   for (const char* other :
        {"--clouds", "--cloud-frame", "--outputs", "--values", "--fps", "--mark-unseen", "--labels"})
     as_log.excludes(other);

@@ -70,18 +70,19 @@ std::vector<RigSensor> named_sensors(const SensorRig& recorded, const SensorOpti
 void add_sensor_options(Command sub, SensorOptions& options) {
   sub.option("--sensor",
              options.names,
-             "a sensor of the scene; or a built-in camera or LiDAR, or one of a file, in its place; again "
-             "for more; none: all of the scene")
+             "a sensor of the scene, or a built-in one or a sensor file in its place; may be repeated; "
+             "default: all sensors of the scene")
       .one_at_a_time()
       .completed_by(builtin_sensor_names);
-  sub.option("--rig", options.rig, "file of sensors and their mountings, all rendered").excludes("--sensor");
+  sub.option("--rig", options.rig, "file of sensors and their mountings, all of which are rendered")
+      .excludes("--sensor");
   sub.option("--mount",
              options.mount,
              "X,Y,Z,ROLL,PITCH,YAW on the rig, m and degrees; x forward, y left, z up, pitch down, yaw left")
       .excludes("--rig");
   sub.option("--size", options.size, "WIDTHxHEIGHT of the pictures, px");
-  sub.option("--scale", options.scale, "size of the pictures over the camera's own").excludes("--size");
-  sub.option("--lane-shift", options.lane_shift_m, "move the rig to its left, m");
+  sub.option("--scale", options.scale, "size of the pictures relative to the camera's").excludes("--size");
+  sub.option("--lane-shift", options.lane_shift_m, "shift of the rig to its left, m");
 }
 
 std::vector<RigSensor> find_sensors(const SceneFile& file, const SensorOptions& options, double duration_s) {

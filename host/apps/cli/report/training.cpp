@@ -295,12 +295,12 @@ std::vector<ScoreLine> metric_lines(const EvalReport& r) {
        number_text(l.drop_recall * 100.0, 2),
        share_of("% of dropped rays", l.drop_recall),
        kHigher);
-  line("  drops that are right",
+  line("  correct drops",
        number_text(l.drop_precision * 100.0, 2),
-       share_of("% of rays said to drop", l.drop_precision),
+       share_of("% of rays predicted to drop", l.drop_precision),
        kHigher);
   if (r.share_own > 0.0)
-    line("rays on the own vehicle, left out", number_text(r.share_own * 100.0, 2), "% of rays");
+    line("rays on the ego vehicle, left out", number_text(r.share_own * 100.0, 2), "% of rays");
   line("Chamfer, squared", number_text(l.chamfer_m2, 4), "m^2", kLower);
   lines.push_back(chamfer_line(l.chamfer_m));
   if (r.actor_pixels + r.actor_returns > 0) {

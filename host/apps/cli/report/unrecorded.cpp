@@ -70,7 +70,7 @@ class Album {
     const DepthPicture depth = depth_picture(scene_.render(camera, shot, {.camera_median = true}));
     html_.picture(
         depth.image,
-        fmt::format("{}: depth, {:g} m pale to {:g} m blue, on a logarithmic scale; black: nothing is met",
+        fmt::format("{}: depth, {:g} m pale to {:g} m blue, on a logarithmic scale; black: no surface",
                     caption,
                     depth.near_m,
                     depth.far_m),

@@ -109,7 +109,7 @@ LauncherRank rank_in(const Environment& environment) {
     const std::optional<std::size_t> rank = number_in(environment, launcher.rank);
     if (!rank) continue;
     const std::optional<std::size_t> size = number_in(environment, launcher.size);
-    if (!size) refuse(launcher.size, "", fmt::format("a number beside {}", launcher.rank));
+    if (!size) refuse(launcher.size, "", fmt::format("a number, together with {}", launcher.rank));
     if (*rank >= *size) {
       refuse(launcher.rank, fmt::format("{}", *rank), fmt::format("less than {}, {}", launcher.size, *size));
     }

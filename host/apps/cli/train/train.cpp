@@ -131,8 +131,7 @@ std::unique_ptr<OutputLock> take_output(const TrainCommand& command) {
                         "folder",
                         "something of that name",
                         command.outputs.resume
-                            ? "its checkpoint beside it, a path that does not exist yet, or "
-                              "--overwrite"
+                            ? "its checkpoint, a path that does not exist yet, or --overwrite"
                             : "a path that does not exist yet, or --overwrite");
     }
     if (is_there(checkpoint)) {
@@ -313,29 +312,33 @@ void add_train(Command app, const Globals& globals) {
   sub.option(
          "--iterations",
          [command](const std::string& text) { take_iterations(text, command->options.train); },
-         "one image each, a LiDAR's sweep every lidar_every; auto: until the training frames gain little")
+         "training steps, one picture each, a sweep every lidar_every; auto: until the training scores "
+         "converge")
       .shown_as("INT|auto", fmt::format("{}", command->options.train.iterations));
   add("--max-seconds", command->options.train.max_seconds, "stop training early after this time; 0: never");
-  add("--scale", command->options.frames.image_scale, "size of the training pictures over the recorded");
+  add("--scale",
+      command->options.frames.image_scale,
+      "size of the training pictures relative to the "
+      "recorded ones");
   add("--held-out",
       command->options.frames.held_out_every,
       "keep every N-th frame of each sensor for evaluation; 0: none");
   add("--held-out-middle",
       command->options.frames.held_out_middle,
-      "keep the frames of that share of the path, around its middle, for evaluation, too");
+      "also hold out the frames on this share of the trajectory, around its middle");
   add("--held-out-last",
       command->options.frames.held_out_last,
-      "keep the frames of that share of the path, at its end, for evaluation, too");
+      "also hold out the frames on this share of the trajectory, at its end");
   sub.option("--held-out-sensor",
              command->options.frames.held_out_sensors,
-             "camera or LiDAR of which all frames are kept for evaluation")
+             "camera or LiDAR whose frames are all held out for evaluation")
       .one_at_a_time()
       .shown_as("NAME", "none; any number of times");
   sub.option(
-         "--sensors", command->sensors, "cameras and LiDARs to train on; those of the others are held out")
+         "--sensors", command->sensors, "cameras and LiDARs to train on; frames of the others are held out")
       .one_at_a_time()
       .shown_as("NAME", "all; any number of times");
-  add("--seed", command->options.frames.seed, "of the frames' order and of thinning");
+  add("--seed", command->options.frames.seed, "seed of the frames' order and of subsampling");
   const auto add_memory = [&](const char* name, auto set, const char* text) {
     sub.option(
            name, [name, set](const std::string& size) { set(memory_size(name, size)); }, text)
@@ -344,32 +347,33 @@ void add_train(Command app, const Globals& globals) {
   add_memory(
       "--host-memory",
       [command](std::size_t bytes) { command->options.chunks.host_memory_bytes = bytes; },
-      "that the training may need, as 6GB: a long drive is cut into stretches that fit (host_memory_bytes)");
+      "limit of the training's host memory, for example 6GB: a long drive is split into chunks that fit "
+      "(host_memory_bytes)");
   add_memory(
       "--device-memory",
       [command](std::size_t bytes) { command->options.train.memory_bytes = bytes; },
-      "of the device, in the same way (memory_bytes)");
+      "limit of the training's device memory, likewise (memory_bytes)");
   sub.option("--checkpoint-every",
              command->outputs.checkpoints.every,
-             "iterations between states in OUTPUT.checkpoint, the last of which is kept; 0: none")
+             "iterations between checkpoints in OUTPUT.checkpoint, of which the last is kept; 0: none")
       .range(0, std::numeric_limits<int>::max())
       .with_default();
-  sub.flag("--overwrite", command->overwrite, "replace the scene, or the checkpoint, that is there");
+  sub.flag("--overwrite", command->overwrite, "replace an existing scene or checkpoint");
   sub.flag("--resume",
            command->outputs.resume,
-           "go on from OUTPUT.checkpoint, if it is there; with more --iterations also from the end of a "
-           "training that has kept it: the rates of what is left are those of the longer training");
+           "continue from OUTPUT.checkpoint, if it exists; with more --iterations also from the end of a "
+           "training: the remaining learning rates are those of the longer training");
   sub.flag(
       "--no-cache",
       command->new_start,
-      "make the start anew, and keep it nowhere; else that of a training of the same log and settings is "
-      "found in ~/.cache/simuli (SIMULI_CACHE_DIR)");
+      "compute the initialisation and do not cache it; otherwise the initialisation of a training with the "
+      "same log and settings is reused from ~/.cache/simuli (SIMULI_CACHE_DIR)");
   sub.option("--fixer",
              command->options.fixer_command,
-             "program, with arguments, that mends pictures from beside the path for the scene to learn from: "
-             "docs/FIXERS.md");
+             "program, with arguments, that enhances off-trajectory pictures, which the scene is then "
+             "trained on: docs/FIXERS.md");
   sub.option("--report", command->report, "HTML file to write: curves, metrics, pictures, sweeps, times");
-  sub.option("--view", command->view_port, "port of a page that shows the training; 0: any free one")
+  sub.option("--view", command->view_port, "port of a page that shows the training; 0: any free port")
       .range(0, 65535);
   sub.option("--tensorboard", command->outputs.event_folder, "folder for TensorBoard's event file");
   const auto fields = [command, &globals] {

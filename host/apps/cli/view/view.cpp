@@ -70,14 +70,14 @@ void view(const ViewCommand& command, const Globals& globals) {
 void add_view(Command app, const Globals& globals) {
   const auto command = std::make_shared<ViewCommand>();
   Command sub = app.command(
-      "view", "a scene in the browser, rendered live, or a log before it is trained on, until Ctrl-C");
+      "view", "show a scene in the browser, rendered on request, or a log before training, until Ctrl-C");
   sub.option("SCENE", command->scene, "scene folder, splats: .ply, .spz, .glb; or log folder").required();
   sub.option("--port", command->server.port, "0: any free one").range(0, 65535).with_default();
   sub.option("--host", command->server.host, "address to listen on; others than loopback need --token")
       .with_default();
   sub.option("--token",
              command->server.token,
-             "a secret that pages must know; safer, as nobody sees it in a list of processes: "
+             "a secret that pages must send; a file or variable keeps it out of the list of processes: "
              "$SIMULI_VIEW_TOKEN, --token-file");
   sub.option("--token-file", command->token_file, "a file whose first line is the token").excludes("--token");
   add_edit_options(sub, command->edits);

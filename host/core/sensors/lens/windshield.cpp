@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLargestTerm = 1e3;  // limit of coefficients; real ones are below 2
+constexpr double kLargestTerm = 1e3;        // limit of coefficients; real ones are below 2
 constexpr double kSmallestCone_rad = 0.01;  // smallest accepted cone
 constexpr double kBendStep_rad = 0.25 * kPi / 180.0;
 constexpr double kReach_rad = 89.0 * kPi / 180.0;  // asin() is only defined for the front
@@ -71,7 +71,8 @@ Vector2d value_of(const double* horizontal, const double* vertical, const Vector
 
 Lens Lens::behind(const Windshield& glass, const std::string& file) const {
   if (kind_ == LensKind::kEquirectangular) {
-    throw_input_error(file, "windshield", "one before an equirectangular lens", "none: it looks all around");
+    throw_input_error(
+        file, "windshield", "one before an equirectangular lens", "none: the lens covers all directions");
   }
   Lens out = kind_ == LensKind::kPinhole
                  ? Lens(LensKind::kOpencvPinhole, {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, kPi}, file)

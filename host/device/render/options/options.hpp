@@ -27,12 +27,12 @@ enum class Projection : int {
 /// Rays that a particle may contribute to (METHOD section 4): a trade between lost contributions and tests.
 enum class Extent : int {
   kUnscented = 0,  // rays inside the box of Projection, which clips the response
-  kExact = 1,  // all rays with alpha >= alpha_cut: closed-form bounds without loss
+  kExact = 1,      // all rays with alpha >= alpha_cut: closed-form bounds without loss
 };
 
 /// Order in which a ray blends particles (METHOD section 7).
 enum class Order : int {
-  kRange = 0,  // by the particles' distance from the sensor: one sort for all rays
+  kRange = 0,   // by the particles' distance from the sensor: one sort for all rays
   kWindow = 1,  // by the distance along each ray, within a window of that order
   kPerRay = 2,  // by the distance along each ray: exact
 };
@@ -40,7 +40,7 @@ enum class Order : int {
 /// Viewing direction for spherical harmonics.
 enum class ShDirection : int {
   kParticle = 0,  // from the sensor to the particle's centre: once per particle
-  kRay = 1,  // along each ray; without backward pass
+  kRay = 1,       // along each ray; without backward pass
 };
 
 /// Storage of spherical-harmonics coefficients in device memory; arithmetic uses reals.
@@ -99,18 +99,19 @@ constexpr void visit_fields(RayOptions& o, F&& field) {
   field("render.camera_filter_px2",
         o.camera_filter_px2,
         either(kOfScene, range(0.0, 100.0)),
-        "Variance of a pixel's footprint in px^2. 0.3: for viewers of splats; -1: the scene's own, in "
-        "training a square pixel's 1/12.");
+        "Variance of a pixel's footprint in px^2. 0.3: for splat viewers; -1: the scene's, in training a "
+        "square pixel's 1/12.");
   field("render.camera_near_m",
         o.camera_near_m,
         range(0.01, 1000.0),
-        "Distance in m from which on cameras see. More: nothing of the own vehicle before the lens.");
-  field("render.culling",
-        o.culling,
-        one_of("off", "auto"),
-        "Drop particles that no requested ray meets (of a camera: outside the rectangle of its requested "
-        "pixels): never, or where that saves time. The same bits either way.",
-        InTraining::kFixed);
+        "Near limit of cameras in m. More: nothing of the ego vehicle in front of the lens.");
+  field(
+      "render.culling",
+      o.culling,
+      one_of("off", "auto"),
+      "Drop particles that no requested ray intersects (of a camera: outside the rectangle of its requested "
+      "pixels): never, or where that saves time. The same bits either way.",
+      InTraining::kFixed);
 }
 
 /// Options that kernels are compiled for.
@@ -132,7 +133,7 @@ constexpr void visit_fields(ProgramOptions& o, F&& field) {
   field("render.projection",
         o.projection,
         one_of("unscented", "linearized", "monte_carlo"),
-        "How a particle's box on the sensor is found, with render.extent=unscented: from sigma points, the "
+        "Computation of a particle's box on the sensor, with render.extent=unscented: from sigma points, the "
         "derivative or 200 samples. For comparisons with the paper.");
   field("render.extent",
         o.extent,
@@ -142,8 +143,8 @@ constexpr void visit_fields(ProgramOptions& o, F&& field) {
   field("render.order",
         o.order,
         one_of("range", "window", "per_ray"),
-        "Order in which a ray blends particles: by their distances from the sensor, or by where the ray "
-        "meets them, of the render.window latest or of all. per_ray: exact, slowest.");
+        "Order in which a ray blends particles: by their distances from the sensor, or along the ray, among "
+        "the render.window latest or all. per_ray: exact, slowest.");
   field("render.window",
         o.window,
         range(2, 64),
@@ -153,22 +154,24 @@ constexpr void visit_fields(ProgramOptions& o, F&& field) {
   field("render.sh_direction",
         o.sh_direction,
         one_of("particle", "ray"),
-        "Colours are seen from the sensor once for each particle, or along each ray. ray: exact, slower.",
+        "Viewing direction of colours: from the sensor, once per particle, or along each ray. ray: exact, "
+        "slower.",
         InTraining::kNoGradients);
   field("render.shutter_iterations",
         o.shutter_iterations,
         range(0, 64),
-        "Steps in which the moment is found at which a moving sensor sees a point. Fewer: faster; 0: all "
-        "stands still half-way through the frame.");
+        "Iterations that find the time at which a moving sensor sees a point. Fewer: faster; 0: the scene is "
+        "static at the middle of the frame.");
   field("render.camera_compensation",
         o.camera_compensation,
-        "Particles that a pixel's footprint widens lose opacity. true: for splats trained so (antialiased).");
+        "Reduce the opacity of particles that a pixel's footprint widens. true: for splats trained so "
+        "(antialiased).");
   field("render.lidar_compensation",
         o.lidar_compensation,
-        "The same for beams. true: thin things blend with what is behind them.");
+        "The same for beams. true: thin objects blend with the background.");
   field("render.median_distance",
         o.median_distance,
-        "LiDARs also measure the distance at which half the light is gone. false: a little faster.",
+        "LiDARs also measure the median distance, at a transmittance of a half. false: slightly faster.",
         InTraining::kFixed);
   field.internal(o.shape);  // determined by the device
 }
@@ -186,23 +189,24 @@ constexpr void visit_fields(FrameOptions& o, F&& field) {
   field("render.alpha_cut",
         o.alpha_cut,
         range(1e-30, 0.5),
-        "Opacity below which a particle adds nothing to a ray. More: faster, less exact.");
+        "Opacity below which a particle is skipped in a ray. More: faster, less exact.");
   field("render.transmittance_cut",
         o.transmittance_cut,
         range(0.0, 0.5),
-        "Light left of 1 below which a ray ends. More: faster, less exact.");
+        "Transmittance below which a ray terminates early. More: faster, less exact.");
+  field("render.detail",
+        o.detail,
+        range(0.0, 100.0),
+        "Width in rays (standard deviation) below which particles are merged into fewer, larger ones. 0.5: "
+        "three "
+        "times as fast along long streets; 0: off.",
+        InTraining::kNoGradients);
   field(
-      "render.detail",
-      o.detail,
-      range(0.0, 100.0),
-      "Width in rays (standard deviation) below which particles are drawn as fewer, larger ones. 0.5: three "
-      "times as fast down long streets; 0: all as they are.",
-      InTraining::kNoGradients);
-  field("render.max_pairs",
-        o.max_pairs,
-        at_least(1),
-        "Most pairs of tile and particle; a frame that needs more is refused. Lower it to bound memory.",
-        InTraining::kFixed);
+      "render.max_pairs",
+      o.max_pairs,
+      at_least(1),
+      "Maximum number of tile-Gaussian pairs; a frame that needs more is refused. Lower it to bound memory.",
+      InTraining::kFixed);
 }
 
 /// All approximations of a frame: speed against accuracy. The defaults apply wherever nothing is specified

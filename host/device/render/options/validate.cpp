@@ -21,7 +21,7 @@ void validate(const RenderOptions& options) {
   if (options.projection != Projection::kUnscented && options.extent == Extent::kExact) {
     throw Error(
         ErrorKind::kUsage,
-        "render.projection: found another than unscented beside render.extent=exact, which has no use for "
+        "render.projection: found another value than unscented with render.extent=exact, which does not use "
         "it, allowed with render.extent=unscented");
   }
 }

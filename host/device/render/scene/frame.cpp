@@ -95,7 +95,7 @@ std::vector<std::uint32_t> Frame::owners() const {
   const State& s = *state_;
   if (!s.request.actors) {
     throw Error(ErrorKind::kUsage,
-                "actors: found a frame without them, allowed one that was asked for them: C++ "
+                "actors: found a frame without them, allowed one that was requested with them: C++ "
                 "FrameRequest::actors, C with_actors, Python actors=True");
   }
   if (!s.of_actors) return std::vector<std::uint32_t>(s.rays.grid().rays, 0);
