@@ -78,14 +78,14 @@ std::vector<std::string> doublings() {
 /// Returns the CPU time of all threads of this process in s.
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-std::vector<Case> cases_of(const std::vector<Drive>& drives, const DrivesOptions& asked) {
+std::vector<Case> cases_of(const std::vector<Drive>& drives, const DrivesOptions& requested) {
   std::vector<Case> cases;
-  std::vector<std::string> lengths = asked.lengths;
-  if (lengths.empty()) lengths = asked.time_to_db > 0.0 ? doublings() : std::vector<std::string>{""};
+  std::vector<std::string> lengths = requested.lengths;
+  if (lengths.empty()) lengths = requested.time_to_db > 0.0 ? doublings() : std::vector<std::string>{""};
   for (const Drive& drive : drives) {
     Case c{&drive, false, {}};
     for (const std::string& length : lengths) {
-      std::vector<std::string> settings = asked.settings;
+      std::vector<std::string> settings = requested.settings;
       if (!length.empty()) settings.push_back("iterations=" + length);
       c.lengths.push_back(training_options("", joined(settings, drive.settings)));
       const TrainOptions& now = c.lengths.back().train;
@@ -127,11 +127,11 @@ class ProgressReport {
         note_(fmt::format("{}: kernels compiled in {:.0f} s", title_, watch_.seconds()));
       }
       first_ = status.iteration;
-      watch_ = told_ = Stopwatch();
+      watch_ = reported_ = Stopwatch();
       return;
     }
-    if (told_.seconds() < kTellEvery_s) return;
-    told_ = Stopwatch();
+    if (reported_.seconds() < kTellEvery_s) return;
+    reported_ = Stopwatch();
     const double pace_s = watch_.seconds() / (status.iteration - first_);
     note_(fmt::format("{}: {} of {} iterations, {:.1f} min left, {:.0f} min of all trainings",
                       title_,
@@ -144,7 +144,7 @@ class ProgressReport {
  private:
   const Note& note_;
   std::string title_;
-  Stopwatch watch_, told_;
+  Stopwatch watch_, reported_;
   static constexpr int kUnknown = -1;
   int first_ = kUnknown;  // first iteration of the time measurement
   double left_ = 0.0;     // iterations

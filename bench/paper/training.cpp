@@ -76,7 +76,7 @@ class Case {
     const double search_ms = anchor_search_ms(device, scene);
     device.reset_memory_peak();
     const std::uint64_t before = device.memory().now;
-    const MemoryNeed told = training_memory(device, log, scene, training);
+    const MemoryNeed reported = training_memory(device, log, scene, training);
     Trainer trainer(device, log, scene, training);
     for (int i = 0; i < kWarmUp; ++i) {
       trainer.step();
@@ -104,7 +104,7 @@ class Case {
                      "%",
                      0.0});
     rows_.push_back({base_ + "/memory_peak", giga(device.memory().peak - before), "GB", 0.0});
-    rows_.push_back({base_ + "/memory_told", giga(told.total), "GB", 0.0});
+    rows_.push_back({base_ + "/memory_told", giga(reported.total), "GB", 0.0});
   }
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
 

@@ -119,20 +119,20 @@ std::vector<Row> run_shift(const BenchCommand& command, const Globals& globals, 
 }
 
 void measure(BenchCommand command, const Globals& globals) {
-  const std::array asked{command.stages,
-                         command.extremes,
-                         command.training,
-                         command.actors,
-                         command.plan,
-                         command.trade,
-                         command.peers,
-                         command.shift,
-                         !command.drives.drives.empty(),
-                         !command.agreement.empty(),
-                         command.long_street.length_m > 0.0,
-                         command.table != 0,
-                         command.figure != 0};
-  const auto count = std::count(asked.begin(), asked.end(), true);
+  const std::array requested{command.stages,
+                             command.extremes,
+                             command.training,
+                             command.actors,
+                             command.plan,
+                             command.trade,
+                             command.peers,
+                             command.shift,
+                             !command.drives.drives.empty(),
+                             !command.agreement.empty(),
+                             command.long_street.length_m > 0.0,
+                             command.table != 0,
+                             command.figure != 0};
+  const auto count = std::count(requested.begin(), requested.end(), true);
   if (count != 1) {
     throw Error(ErrorKind::kUsage,
                 fmt::format("bench: found {} tables, allowed one of --stages, --training, --extremes, "

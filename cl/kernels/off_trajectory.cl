@@ -83,11 +83,11 @@ __kernel void off_trajectory(const FrameParams frame,
   SIM_EACH(k, 3) d[k] = LDV(world_ray + k * s + i);
   const I is_one = is_ray(d[0], d[1], d[2]);
   real colour[V][3], distance[V];
-  bool is_asked[V], is_free[V];
+  bool is_requested[V], is_free[V];
   SIM_EACH(lane, V) {
     distance[lane] = surface_distance(met, s, i + lane);
     is_free[lane] = is_open(met, s, i + lane);
-    is_asked[lane] = is_free[lane] || distance[lane] > R(0.0);
+    is_requested[lane] = is_free[lane] || distance[lane] > R(0.0);
     if (is_free[lane]) distance[lane] = SIM_OFF_TRAJECTORY_FARTHEST;
     SIM_EACH(c, 3) colour[lane][c] = R(-1.0);
   }
@@ -114,7 +114,7 @@ __kernel void off_trajectory(const FrameParams frame,
     STV(usable, SEL(valid, (F)R(1.0), (F)R(0.0)));
     goes_on = false;
     SIM_EACH(lane, V) {
-      if (!is_asked[lane]) continue;
+      if (!is_requested[lane]) continue;
       const int at = usable[lane] > R(0.0) ? slot_of_ray[(uint)row[lane] * width + (uint)column[lane]] : -1;
       const real there = at < 0 ? R(-1.0) : surface_distance(seen, s, (uint)at);
       const bool is_past =
@@ -133,9 +133,9 @@ __kernel void off_trajectory(const FrameParams frame,
           const real first = look == 0 ? found[c] : colour[lane][c];
           colour[lane][c] = is_known ? first : R(-1.0);
         }
-        is_asked[lane] = is_known && is_free[lane];
+        is_requested[lane] = is_known && is_free[lane];
       }
-      if (!is_asked[lane]) continue;
+      if (!is_requested[lane]) continue;
       goes_on = true;
       distance[lane] = SIM_OFF_TRAJECTORY_NEAREST * (real)(SIM_OFF_TRAJECTORY_LOOKS - 1) / (real)(look + 1);
     }

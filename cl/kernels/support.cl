@@ -20,9 +20,9 @@ FN int has_ray(__global const real* sensor_ray, uint s, uint slot) {
 }
 
 /// Loads the value of each run's representative slot.
-FN F of_runs(__global const real* from, const uint* telling) {
+FN F of_runs(__global const real* from, const uint* reporting) {
   real each[V];
-  SIM_EACH(lane, V) each[lane] = from[telling[lane]];
+  SIM_EACH(lane, V) each[lane] = from[reporting[lane]];
   return LDV(each);
 }
 
@@ -58,7 +58,7 @@ FN void look(__global const SupportView* view,
              const F* p,
              const F* d,
              F range,
-             Told* told) {
+             Told* reported) {
   F from_view[3], y[3];
   SIM_EACH(k, 3) from_view[k] = p[k] - view->position[k];
   turn(view->rotation, from_view, y);
@@ -98,11 +98,11 @@ FN void look(__global const SupportView* view,
   const F angle2 = R(2.0) * bend * inv_away;
   const F scale = VMIN(range * grid->fineness * inv_away, (F)R(1.0));
   const F weight = has * fma(along * along, scale, (F)SIM_SEEN_ALONE);
-  told->looks += has;
-  told->angle2 = SEL(has > R(0.5), VMIN(told->angle2, angle2), told->angle2);
-  told->scale = VMAX(told->scale, has * scale);
-  told->weight += weight;
-  told->odds = fma(weight, LDV(of_cell), told->odds);
+  reported->looks += has;
+  reported->angle2 = SEL(has > R(0.5), VMIN(reported->angle2, angle2), reported->angle2);
+  reported->scale = VMAX(reported->scale, has * scale);
+  reported->weight += weight;
+  reported->odds = fma(weight, LDV(of_cell), reported->odds);
 }
 
 /// Returns the log-odds evidence of V LiDAR rays for whether and where they return. `out`: from the first slot.
@@ -133,7 +133,7 @@ __kernel void support(const FrameParams frame,
                       __global const real* sensor_ray,
                       __global const int* ray_of_slot,
                       __global const real* out,
-                      __global const SupportFrame* asked,
+                      __global const SupportFrame* requested,
                       __global const SupportGrid* grids,
                       __global const SupportBox* boxes,
                       __global const SupportView* views,
@@ -144,32 +144,32 @@ __kernel void support(const FrameParams frame,
   const uint of_run = SIM_SUPPORT_RUN * rows, runs = s / of_run;
   if (first_run >= runs) return;
   F ray[3], origin[3], from[3], to[3], d[3], p[3];
-  uint telling[V];
+  uint reporting[V];
   SIM_EACH(lane, V) {
     // Repeats the last run beyond the end.
-    telling[lane] = min(first_run + lane, runs - 1) * of_run + SIM_TELLING(rows);
+    reporting[lane] = min(first_run + lane, runs - 1) * of_run + SIM_TELLING(rows);
   }
-  SIM_EACH(k, 3) ray[k] = of_runs(sensor_ray + k * s, telling);
+  SIM_EACH(k, 3) ray[k] = of_runs(sensor_ray + k * s, reporting);
   I is_one = is_ray(ray[0], ray[1], ray[2]);
   if (ANY(NOT(is_one))) {
     SIM_EACH(lane, V) {
       const uint run = min(first_run + lane, runs - 1) * of_run;
-      for (uint k = 0; k < of_run && !has_ray(sensor_ray, s, telling[lane]); ++k) telling[lane] = run + k;
+      for (uint k = 0; k < of_run && !has_ray(sensor_ray, s, reporting[lane]); ++k) reporting[lane] = run + k;
     }
-    SIM_EACH(k, 3) ray[k] = of_runs(sensor_ray + k * s, telling);
+    SIM_EACH(k, 3) ray[k] = of_runs(sensor_ray + k * s, reporting);
     is_one = is_ray(ray[0], ray[1], ray[2]);
   }
-  SIM_EACH(k, 3) origin[k] = of_runs(sensor_ray + (3 + k) * s, telling);
-  const F t = of_runs(sensor_ray + 6 * s, telling);
-  const F opacity = R(1.0) - of_runs(out + SIM_O_TRANSMITTANCE * s, telling);
-  const F along = of_runs(out + SIM_O_DISTANCE * s, telling);
+  SIM_EACH(k, 3) origin[k] = of_runs(sensor_ray + (3 + k) * s, reporting);
+  const F t = of_runs(sensor_ray + 6 * s, reporting);
+  const F opacity = R(1.0) - of_runs(out + SIM_O_TRANSMITTANCE * s, reporting);
+  const F along = of_runs(out + SIM_O_DISTANCE * s, reporting);
   // A sensor rotates so little within a frame that linear interpolation is as good as the arc.
-  turn(asked->start.rotation, ray, from);
-  turn(asked->end.rotation, ray, to);
+  turn(requested->start.rotation, ray, from);
+  turn(requested->end.rotation, ray, to);
   SIM_EACH(k, 3) d[k] = fma(t, to[k] - from[k], from[k]);
   const F inv_length = R(1.0) / sqrt(SEL(is_one, dot_lanes(d, d), (F)R(1.0)));
-  transform(&asked->start, origin, from);
-  transform(&asked->end, origin, to);
+  transform(&requested->start, origin, from);
+  transform(&requested->end, origin, to);
   const I met = opacity > R(0.5);
   const F range = SEL(met, along / SEL(met, opacity, (F)R(1.0)), (F)SIM_FAR_M);
   SIM_EACH(k, 3) {
@@ -177,7 +177,7 @@ __kernel void support(const FrameParams frame,
     p[k] = fma(range, d[k], fma(t, to[k] - from[k], from[k]));
   }
 
-  Told told = {(F)R(0.0), (F)R(4.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
+  Told reported = {(F)R(0.0), (F)R(4.0), (F)R(0.0), (F)R(0.0), (F)R(0.0)};
   I free = is_one;  // of actors tested so far
   for (uint a = 0; a < actors; ++a) {
     __global const SupportBox* box = boxes + a;
@@ -190,19 +190,19 @@ __kernel void support(const FrameParams frame,
     free = AND(free, NOT(on));
     for (uint v = 0; v < count; ++v) {
       __global const SupportView* view = views + (a + 1) * count + v;
-      if (view->there > R(0.0)) look(view, grids + v, cells, on, q, e, range, &told);
+      if (view->there > R(0.0)) look(view, grids + v, cells, on, q, e, range, &reported);
     }
   }
   if (ANY(free)) {
-    for (uint v = 0; v < count; ++v) look(views + v, grids + v, cells, free, p, d, range, &told);
+    for (uint v = 0; v < count; ++v) look(views + v, grids + v, cells, free, p, d, range, &reported);
   }
 
-  F odds = fma(told.odds, R(1.0) / VMAX(told.weight, (F)R(1e-9)), (F)asked->bias);
-  const F angle = sqrt(told.angle2);
-  odds = fma(angle / (angle + SIM_NEAR_RAD), (F)asked->angle, odds);
-  odds = fma(told.scale, (F)asked->scale, odds);
-  const F at_all = R(1.0) - exp_lanes(VMAX(told.looks * R(-4.0), (F)SIM_LEAST_EXPONENT));
-  const I known = AND(is_one, told.looks > R(0.0));
+  F odds = fma(reported.odds, R(1.0) / VMAX(reported.weight, (F)R(1e-9)), (F)requested->bias);
+  const F angle = sqrt(reported.angle2);
+  odds = fma(angle / (angle + SIM_NEAR_RAD), (F)requested->angle, odds);
+  odds = fma(reported.scale, (F)requested->scale, odds);
+  const F at_all = R(1.0) - exp_lanes(VMAX(reported.looks * R(-4.0), (F)SIM_LEAST_EXPONENT));
+  const I known = AND(is_one, reported.looks > R(0.0));
   real odds_of[V], all_of[V];
   STV(odds_of, odds);
   STV(all_of, SEL(known, at_all, (F)R(0.0)));
@@ -217,7 +217,7 @@ __kernel void support(const FrameParams frame,
     }
     // Neighbours share views; whether a LiDAR ray returns is individual.
     F of_ray = LDV(odds_each);
-    if (drops) of_ray += return_odds(out + first, s, asked);
+    if (drops) of_ray += return_odds(out + first, s, requested);
     const F clamped = VMAX(VMIN(of_ray, (F)-SIM_LEAST_EXPONENT), (F)SIM_LEAST_EXPONENT);
     const F found = LDV(all_each) / (R(1.0) + exp_lanes(-clamped));
     real each[V];

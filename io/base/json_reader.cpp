@@ -274,7 +274,7 @@ std::string JsonObject::field(const std::string& key) const {
 }
 
 const Json& JsonObject::get(const std::string& key) {
-  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.push_back(key);
+  if (std::find(requested_.begin(), requested_.end(), key) == requested_.end()) requested_.push_back(key);
   const auto it = value_.find(key);
   if (it != value_.end()) return *it;
   // The existing keys reveal a misspelt name or a wrong unit.
@@ -351,9 +351,10 @@ void JsonObject::read_numbers(const std::string& key, double* values, std::size_
 void JsonObject::finish() const {
   if (ignores_others_) return;
   for (auto at = value_.begin(); at != value_.end(); ++at) {
-    if (std::find(asked_.begin(), asked_.end(), at.key()) != asked_.end()) continue;
-    const std::set<std::string> asked(asked_.begin(), asked_.end());
-    throw_input_error(file(), field(at.key()), "an unknown key", fmt::format("{}", fmt::join(asked, ", ")));
+    if (std::find(requested_.begin(), requested_.end(), at.key()) != requested_.end()) continue;
+    const std::set<std::string> requested(requested_.begin(), requested_.end());
+    throw_input_error(
+        file(), field(at.key()), "an unknown key", fmt::format("{}", fmt::join(requested, ", ")));
   }
 }
 

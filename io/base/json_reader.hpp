@@ -100,7 +100,7 @@ class JsonObject {
   std::string file_;  // empty with a parent
   std::string path_;
   const Json& value_;
-  std::vector<std::string> asked_;  // requested keys; few
+  std::vector<std::string> requested_;  // requested keys; few
   bool ignores_others_ = false;
 };
 

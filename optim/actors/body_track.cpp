@@ -12,7 +12,7 @@ namespace simuli {
 namespace {
 
 constexpr std::size_t kMostReturns = 8'000;  // that a track is aligned to
-constexpr double kHeading_m = 1.5;  // shortest path that determines a heading
+constexpr double kHeading_m = 1.5;           // shortest path that determines a heading
 constexpr double kBoxMargin_m = 0.15;
 /// The initial track comes from velocities of single sweeps.
 constexpr TrackPrior kPrior{
@@ -183,12 +183,12 @@ std::vector<PointVotes> votes_along(const SweepSeries& series,
                   kStanding_m_per_s * (b.time_s - a.time_s));
   }
   std::vector<PointVotes> votes(p_body.size());
-  std::size_t asked = track.keys();
+  std::size_t requested = track.keys();
   for (std::size_t n = 0; n < sweeps; ++n) {
     const double at = way.back() * (static_cast<double>(n) + 0.5) / static_cast<double>(sweeps);
     const auto key = static_cast<std::size_t>(std::lower_bound(way.begin(), way.end(), at) - way.begin());
-    if (key == asked || key >= track.keys()) continue;
-    asked = key;
+    if (key == requested || key >= track.keys()) continue;
+    requested = key;
     const Pose pose = track.actor.track[key].corrected();
     PointSet placed = p_body;
     // A long object is swept during a good part of the revolution, and moves meanwhile.

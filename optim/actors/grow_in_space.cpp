@@ -16,12 +16,12 @@ using BodyCell = std::array<int, 3>;
 constexpr double kBodyVoxel_m = 0.4;
 const Vector3d kReach_m(6.0, 1.0, 1.0);  // beyond the box, per round
 constexpr int kGrowthRounds = 5;
-constexpr double kGrown_m = 0.3;  // smaller growth ends the iteration
-constexpr std::size_t kVotingSweeps = 12;  // sweeps that vote, of those that saw the body
-constexpr std::size_t kVotersOfAVoxel = 12;  // returns of a voxel that are voted on
+constexpr double kGrown_m = 0.3;                  // smaller growth ends the iteration
+constexpr std::size_t kVotingSweeps = 12;         // sweeps that vote, of those that saw the body
+constexpr std::size_t kVotersOfAVoxel = 12;       // returns of a voxel that are voted on
 constexpr std::size_t kLeastReturnsOfAVoxel = 3;  // of a voxel
-constexpr int kGapX = 2, kGapY = 1, kGapZ = 2;  // empty voxels that may be bridged: windows, a coupling
-constexpr double kStray = 0.004;  // share of the returns outside each side of the box
+constexpr int kGapX = 2, kGapY = 1, kGapZ = 2;    // empty voxels that may be bridged: windows, a coupling
+constexpr double kStray = 0.004;                  // share of the returns outside each side of the box
 
 struct Voxel {
   std::size_t returns = 0, standing = 0;
@@ -56,20 +56,20 @@ class Growth {
       v.standing += motion[sweep][r.point] == Motion::kStands ? 1U : 0U;
       v.sweeps.insert(sweep);
     }
-    std::vector<std::size_t> asked;
+    std::vector<std::size_t> requested;
     std::map<const Voxel*, std::size_t> met;
     for (std::size_t i = 0; i < returns_.size(); ++i) {
-      if (met[voxel_of[i]]++ % (voxel_of[i]->returns / kVotersOfAVoxel + 1) == 0) asked.push_back(i);
+      if (met[voxel_of[i]]++ % (voxel_of[i]->returns / kVotersOfAVoxel + 1) == 0) requested.push_back(i);
     }
     PointSet points;
-    points.position.resize(3, static_cast<Eigen::Index>(asked.size()));
-    points.intensity.assign(asked.size(), 0.0F);
-    for (std::size_t k = 0; k < asked.size(); ++k)
-      points.position.col(static_cast<Eigen::Index>(k)) = returns_[asked[k]].p_body.cast<float>();
+    points.position.resize(3, static_cast<Eigen::Index>(requested.size()));
+    points.intensity.assign(requested.size(), 0.0F);
+    for (std::size_t k = 0; k < requested.size(); ++k)
+      points.position.col(static_cast<Eigen::Index>(k)) = returns_[requested[k]].p_body.cast<float>();
     const std::vector<PointVotes> votes = votes_along(series, track, points, kVotingSweeps);
-    for (std::size_t k = 0; k < asked.size(); ++k) {
-      voxel_of[asked[k]]->through += votes[k].through;
-      voxel_of[asked[k]]->there += votes[k].there;
+    for (std::size_t k = 0; k < requested.size(); ++k) {
+      voxel_of[requested[k]]->through += votes[k].through;
+      voxel_of[requested[k]]->there += votes[k].there;
     }
   }
 

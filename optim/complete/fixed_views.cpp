@@ -11,8 +11,8 @@
 #include "host/device/support/support.hpp"
 #include "io/log/camera_mask.hpp"
 #include "optim/base/frames.hpp"
-#include "optim/complete/run_fixer.hpp"
 #include "optim/complete/record_support.hpp"
+#include "optim/complete/run_fixer.hpp"
 
 namespace simuli {
 
@@ -66,24 +66,24 @@ void FixedViews::repair(const SceneFile& scene, int iteration) {
   SceneOnDevice on_device(device_, borrowed(scene.scene), render_);
   SupportOnDevice support(device_, record_support(device_, log_, scene, frames_, render_));
   std::vector<FixedView> views = planned();
-  std::vector<FixerView> asked;
+  std::vector<FixerView> requested;
   for (const FixedView& view : views) {
     const Camera camera = scaled_camera(log_.camera(view.camera).model, frames_.image_scale);
     const Frame frame = on_device.render(Sensor(camera), view.shot, {.graded = false});
-    asked.push_back({.name = fmt::format("{:06d}", asked.size()),
-                     .camera = camera,
-                     .world_from_camera = view.shot.pose_at(0.5),
-                     .time_s = view.shot.middle_s(),
-                     .left_m = view.left_m,
-                     .rendered = frame.image(),
-                     .support = support.image_of(frame, scene.scene),
-                     .recorded = load_image(log_, log_.images[view.frame], camera)});
+    requested.push_back({.name = fmt::format("{:06d}", requested.size()),
+                         .camera = camera,
+                         .world_from_camera = view.shot.pose_at(0.5),
+                         .time_s = view.shot.middle_s(),
+                         .left_m = view.left_m,
+                         .rendered = frame.image(),
+                         .support = support.image_of(frame, scene.scene),
+                         .recorded = load_image(log_, log_.images[view.frame], camera)});
   }
-  const std::vector<Image> repaired = run_fixer(command_, asked, iteration);
+  const std::vector<Image> repaired = run_fixer(command_, requested, iteration);
   for (std::size_t k = 0; k < views.size(); ++k) {
     FixedView& view = views[k];
     view.values = planar(repaired[k]);
-    const std::vector<float>& known = asked[k].support.data;
+    const std::vector<float>& known = requested[k].support.data;
     for (std::size_t i = 0; i < known.size(); ++i) {
       if (drawn(frames_.seed, k, i) >= static_cast<double>(known[i])) {
         ++view.known;

@@ -23,7 +23,7 @@ constexpr int kRounds = 3;
 constexpr double kVoxel_m = 0.1;
 constexpr float kNearest_m = 2.0F;
 constexpr float kFarthest_m = 50.0F;
-constexpr std::size_t kMapStep = 3;  // every so many rays of a row enter the map
+constexpr std::size_t kMapStep = 3;     // every so many rays of a row enter the map
 constexpr std::size_t kSampleStep = 8;  // of these, every so many are compared with the map
 constexpr std::size_t kNeighbours = 24;
 constexpr float kReach_m = 0.6F;  // to the farthest neighbour
@@ -162,23 +162,23 @@ std::vector<RangeBias> find_range_bias(const Log& log, const LogLidar& lidar, co
     std::vector<double> known;
     for (std::size_t row = 0; row < rows; ++row) {
       Sums all;
-      std::size_t told = 0;
+      std::size_t reported = 0;
       for (const Sums& sum : sums[row]) {
         if (sum.along2 < kFewestEquations) continue;
         all.along2 += sum.along2;
         all.off += sum.off;
-        ++told;
+        ++reported;
       }
       RangeBias& b = biases[row];
       b.sigma_m = std::numeric_limits<double>::infinity();
-      if (told < kFewestGroups) continue;
+      if (reported < kFewestGroups) continue;
       double square = 0.0;
       for (const Sums& sum : sums[row]) {
         if (sum.along2 < kFewestEquations) continue;
         const double off = sum.along2 / all.along2 * (sum.value() - all.value());
         square += off * off;
       }
-      b.sigma_m = std::sqrt(square * static_cast<double>(told) / static_cast<double>(told - 1));
+      b.sigma_m = std::sqrt(square * static_cast<double>(reported) / static_cast<double>(reported - 1));
       b.bias_m += all.value();
       known.push_back(b.bias_m);
     }

@@ -50,7 +50,7 @@ std::vector<double> RowOffsets::offsets() const {
     std::size_t row;
     double offset_m, variance_m2;
   };
-  std::vector<Told> told;
+  std::vector<Told> reported;
   std::vector<double> means;
   for (std::size_t row = 0; row < counts_.size(); ++row) {
     std::uint64_t returns = 0;
@@ -68,12 +68,12 @@ std::vector<double> RowOffsets::offsets() const {
     if (returns < kFewestReturns || sectors < kFewestSectors) continue;
     const auto n = static_cast<double>(sectors);
     means.push_back(sum / n);
-    told.push_back({row, means.back(), std::max(0.0, squares - sum * sum / n) / (n * (n - 1.0))});
+    reported.push_back({row, means.back(), std::max(0.0, squares - sum * sum / n) / (n * (n - 1.0))});
   }
   std::vector<double> out(counts_.size(), 0.0);
-  if (told.empty()) return out;
+  if (reported.empty()) return out;
   const double middle = median(std::move(means));
-  for (const Told& t : told) {
+  for (const Told& t : reported) {
     const double offset_m = t.offset_m - middle;
     const double square_m2 = offset_m * offset_m;
     if (square_m2 > std::max(t.variance_m2, kLeast_m * kLeast_m)) {

@@ -76,7 +76,7 @@ const char* to_string(FrameKind kind) {
 bool EvalFrames::has(FrameUse use) const { return count_of(*this, use) > 0; }
 
 std::string EvalFrames::label() const {
-  const std::string rule = held_out_text(asked), which = rule.empty() ? "all frames" : rule;
+  const std::string rule = held_out_text(requested), which = rule.empty() ? "all frames" : rule;
   switch (kind) {
     case FrameKind::kHeldOut:
       if (has(FrameUse::kBetween)) return "held-out frames";
@@ -107,7 +107,7 @@ EvalFrames select_eval_frames(const Log& log, const SceneFile& scene, const Eval
   as.image_scale = options.image_scale.value_or(as.image_scale);
   take_rule(options, as);
   check_fields(as);
-  EvalFrames frames{.asked = as};
+  EvalFrames frames{.requested = as};
   const HeldOutRule rule(log, as);
   const bool all = held_out_text(as).empty();  // otherwise the rule's held-out frames
   frames.images = all ? rule.training(log.images) : rule.held_out(log.images);

@@ -11,18 +11,18 @@
 namespace simuli {
 
 enum class FrameKind {
-  kHeldOut,  // of the training log, not read by training
+  kHeldOut,   // of the training log, not read by training
   kTraining,  // all were trained on
-  kMixed,  // some were trained on
+  kMixed,     // some were trained on
   kOtherLog,  // the scene was trained on another log
-  kUnknown,  // the scene has no training record
+  kUnknown,   // the scene has no training record
 };
 /// "held_out", "training", "mixed", "other_log", "unknown".
 [[nodiscard]] const char* to_string(FrameKind kind);
 
 struct EvalFrames {
   FrameKind kind = FrameKind::kUnknown;
-  FrameSelection asked = {};  // picture size and rule; without a rule all frames
+  FrameSelection requested = {};                      // picture size and rule; without a rule all frames
                                                       // held out: all frames
   std::vector<std::size_t> images = {}, sweeps = {};  // indices into the log's frames
   /// [log.images], [log.sweeps]: use of each frame in the scene's training; empty unless kind is kHeldOut.

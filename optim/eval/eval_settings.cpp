@@ -31,16 +31,16 @@ constexpr void visit_fields(Told& o, F&& field) {
 EvalOptions eval_options(const std::string& quality, const std::vector<std::string>& settings) {
   EvalOptions options;
   options.render = options_of(quality_of_name(quality));
-  Told told;
+  Told reported;
   Fields fields;
   fields.part("", options);
-  fields.part("", told);
+  fields.part("", reported);
   fields.apply(settings, "settings");
-  if (told.image_scale > 0.0) options.image_scale = told.image_scale;
-  if (told.held_out_every >= 0) options.held_out_every = told.held_out_every;
-  if (told.held_out_middle >= 0.0) options.held_out_middle = told.held_out_middle;
-  if (told.held_out_last >= 0.0) options.held_out_last = told.held_out_last;
-  if (!told.held_out_sensors.empty()) options.held_out_sensors = told.held_out_sensors;
+  if (reported.image_scale > 0.0) options.image_scale = reported.image_scale;
+  if (reported.held_out_every >= 0) options.held_out_every = reported.held_out_every;
+  if (reported.held_out_middle >= 0.0) options.held_out_middle = reported.held_out_middle;
+  if (reported.held_out_last >= 0.0) options.held_out_last = reported.held_out_last;
+  if (!reported.held_out_sensors.empty()) options.held_out_sensors = reported.held_out_sensors;
   check(options);
   return options;
 }

@@ -92,10 +92,10 @@ bool same_path(const Trajectory& a, const Trajectory& b) {
 }
 
 /// Removes labels that the scene's training rejected as empty.
-void leave_out(const std::vector<std::string>& names, Log& log, std::vector<std::string>& told) {
+void leave_out(const std::vector<std::string>& names, Log& log, std::vector<std::string>& reported) {
   std::erase_if(log.actors, [&](const Actor& label) {
     if (std::find(names.begin(), names.end(), label.name) == names.end()) return false;
-    told.push_back(
+    reported.push_back(
         fmt::format("label {}: left out by the scene's training: not scored as an actor", label.name));
     return true;
   });
@@ -407,12 +407,14 @@ Evaluation::Evaluation(const Device& device, SceneFile scene, Log log, const Eva
     : scene_(std::move(scene)),
       options_(checked(options)),
       frames_(select_eval_frames(log, scene_, options)),
-      log_(as_known_by(
-          scene_, scene_.training && frames_.kind != FrameKind::kOtherLog, std::move(log), sanitized_labels_)),
+      log_(as_known_by(scene_,
+                       scene_.training && frames_.kind != FrameKind::kOtherLog,
+                       std::move(log),
+                       sanitized_labels_)),
       on_device_(device, borrowed(scene_.scene), options.render) {}
 
 Camera Evaluation::camera(const ImageFrame& frame) const {
-  return scaled_camera(log_.camera(frame.camera).model, frames_.asked.image_scale);
+  return scaled_camera(log_.camera(frame.camera).model, frames_.requested.image_scale);
 }
 
 EvalReport Evaluation::run(const Progress& progress) { return Run(*this, progress).run(); }

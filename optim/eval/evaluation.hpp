@@ -41,11 +41,11 @@ struct EvalReport : EvalScores {
 template <class F>
 void visit_report(const EvalReport& r, F&& value) {
   value("frames", std::string(to_string(r.frames.kind)));
-  value("held_out_every", r.frames.asked.held_out_every);
-  value("held_out_middle", r.frames.asked.held_out_middle);
-  value("held_out_last", r.frames.asked.held_out_last);
-  value("held_out_sensors", r.frames.asked.held_out_sensors);
-  value("image_scale", r.frames.asked.image_scale);
+  value("held_out_every", r.frames.requested.held_out_every);
+  value("held_out_middle", r.frames.requested.held_out_middle);
+  value("held_out_last", r.frames.requested.held_out_last);
+  value("held_out_sensors", r.frames.requested.held_out_sensors);
+  value("image_scale", r.frames.requested.image_scale);
   visit_scores(static_cast<const EvalScores&>(r), value);
   value("by_picture", r.picture_scores);
   value("by_sweep", r.sweep_scores);

@@ -14,13 +14,13 @@
 namespace simuli {
 namespace {
 
-constexpr int kPatchReach = 2;  // px of the half-size picture: patches of 5 x 5
-constexpr int kDistances = 128;  // steps of inverse distance
-constexpr int kLattice_px = 4;  // spacing of projected rays, between which positions are interpolated
+constexpr int kPatchReach = 2;       // px of the half-size picture: patches of 5 x 5
+constexpr int kDistances = 128;      // steps of inverse distance
+constexpr int kLattice_px = 4;       // spacing of projected rays, between which positions are interpolated
 constexpr float kWorstCost = 0.10F;  // mean grey difference above which nothing matches
 constexpr float kMostCost = 2.0F * kWorstCost;
-constexpr float kSameCost = 0.001F;  // smaller differences are ties: the farther distance wins
-constexpr float kSameShare = 0.2F;  // relative to the best cost: noise level
+constexpr float kSameCost = 0.001F;     // smaller differences are ties: the farther distance wins
+constexpr float kSameShare = 0.2F;      // relative to the best cost: noise level
 constexpr std::size_t kLeastViews = 2;  // that must agree
 // Smoothness costs of SGM for neighbours that differ by one step of distance, and by more (docs/DECISIONS.md,
 // "Initialisation").
@@ -38,10 +38,10 @@ double distance_of(double step) {
 }
 
 /// Pixels whose distance is computed.
-struct Asked {
+struct Requested {
   static constexpr std::uint32_t kNot = std::numeric_limits<std::uint32_t>::max();
   int width, height;
-  std::vector<std::uint32_t> number;  // [height][width] index of a requested pixel, or kNot
+  std::vector<std::uint32_t> number;     // [height][width] index of a requested pixel, or kNot
   std::vector<Eigen::Vector2i> at = {};  // their positions
 
   [[nodiscard]] std::size_t index(int x, int y) const {
@@ -49,9 +49,9 @@ struct Asked {
   }
 };
 
-Asked asked_of(const SweepPicture& picture, const Coverage& coverage) {
-  Asked out{picture.grey.width, picture.grey.height, {}};
-  out.number.assign(picture.grey.data.size(), Asked::kNot);
+Requested requested_of(const SweepPicture& picture, const Coverage& coverage) {
+  Requested out{picture.grey.width, picture.grey.height, {}};
+  out.number.assign(picture.grey.data.size(), Requested::kNot);
   const double scale_x = static_cast<double>(picture.full_width) / out.width;
   const double scale_y = static_cast<double>(picture.full_height) / out.height;
   for (int y = 0; y < out.height; ++y) {
@@ -102,16 +102,18 @@ class Padded {
 /// Matching costs of a picture's patches against other pictures at each distance.
 class Matching {
  public:
-  Matching(const SweepPicture& picture, const std::vector<const SweepPicture*>& others, const Asked& asked)
+  Matching(const SweepPicture& picture,
+           const std::vector<const SweepPicture*>& others,
+           const Requested& requested)
       : picture_(picture),
         others_(others),
-        asked_(asked),
-        columns_((asked.width + kLattice_px - 1) / kLattice_px + 1),
-        rows_((asked.height + kLattice_px - 1) / kLattice_px + 1),
+        requested_(requested),
+        columns_((requested.width + kLattice_px - 1) / kLattice_px + 1),
+        rows_((requested.height + kLattice_px - 1) / kLattice_px + 1),
         nodes_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_)) {
     for (int row = 0; row + 1 < rows_; ++row) {
       for (int column = 0; column + 1 < columns_; ++column) {
-        if (is_asked_for(column, row)) add_cell(column, row);
+        if (is_requested_for(column, row)) add_cell(column, row);
       }
     }
   }
@@ -119,12 +121,12 @@ class Matching {
   /// Returns [requested][kDistances] costs: the mean of the better half of the pictures, because others may be
   /// occluded; twice the worst cost where it is larger, or fewer than kLeastViews show the patch.
   [[nodiscard]] std::vector<float> costs() const {
-    std::vector<float> out(asked_.at.size() * kDistances);
+    std::vector<float> out(requested_.at.size() * kDistances);
     constexpr std::size_t kEach = 1;
     parallel_ranges(
         kDistances,
         [&](std::size_t begin, std::size_t end) {
-          Scratch scratch(asked_, nodes_.size(), others_.size());
+          Scratch scratch(requested_, nodes_.size(), others_.size());
           for (std::size_t step = begin; step < end; ++step) match(step, scratch, out);
         },
         kEach);
@@ -141,18 +143,18 @@ class Matching {
     std::array<std::size_t, 4> nodes;  // upper left and right, lower left and right
   };
   struct Scratch {
-    Scratch(const Asked& asked, std::size_t nodes, std::size_t others)
-        : difference(asked.width, asked.height),
-          shown(asked.width, asked.height),
+    Scratch(const Requested& requested, std::size_t nodes, std::size_t others)
+        : difference(requested.width, requested.height),
+          shown(requested.width, requested.height),
           places(nodes),
-          is_shown(asked.at.size()),
-          costs(asked.at.size() * others),
-          seen(asked.at.size()) {}
-    Padded difference, shown;  // of another picture
+          is_shown(requested.at.size()),
+          costs(requested.at.size() * others),
+          seen(requested.at.size()) {}
+    Padded difference, shown;                            // of another picture
     std::vector<std::optional<Eigen::Vector2f>> places;  // [nodes] positions in it
-    std::vector<std::uint8_t> is_shown;  // [requested]
-    std::vector<float> costs;  // [requested][others], smallest first
-    std::vector<std::size_t> seen;  // [requested], number of pictures that show it
+    std::vector<std::uint8_t> is_shown;                  // [requested]
+    std::vector<float> costs;                            // [requested][others], smallest first
+    std::vector<std::size_t> seen;                       // [requested], number of pictures that show it
   };
 
   [[nodiscard]] Ray ray_of(int x, int y) const {
@@ -161,13 +163,13 @@ class Matching {
     return ray;
   }
   /// Whether the patch of a requested pixel extends into a cell.
-  [[nodiscard]] bool is_asked_for(int column, int row) const {
+  [[nodiscard]] bool is_requested_for(int column, int row) const {
     const int left = column * kLattice_px, top = row * kLattice_px;
-    const int right = std::min(left + kLattice_px + kPatchReach, asked_.width);
-    const int bottom = std::min(top + kLattice_px + kPatchReach, asked_.height);
+    const int right = std::min(left + kLattice_px + kPatchReach, requested_.width);
+    const int bottom = std::min(top + kLattice_px + kPatchReach, requested_.height);
     for (int y = std::max(top - kPatchReach, 0); y < bottom; ++y) {
       for (int x = std::max(left - kPatchReach, 0); x < right; ++x) {
-        if (asked_.number[asked_.index(x, y)] != Asked::kNot) return true;
+        if (requested_.number[requested_.index(x, y)] != Requested::kNot) return true;
       }
     }
     return false;
@@ -198,7 +200,7 @@ class Matching {
     std::fill(scratch.seen.begin(), scratch.seen.end(), 0);
     const double distance_m = distance_of(static_cast<double>(step));
     for (const SweepPicture* other : others_) compare(*other, distance_m, scratch);
-    for (std::size_t i = 0; i < asked_.at.size(); ++i) {
+    for (std::size_t i = 0; i < requested_.at.size(); ++i) {
       float& cost = out[i * kDistances + step] = kMostCost;
       const std::size_t seen = scratch.seen[i], used = std::max(kLeastViews, (seen + 1) / 2);
       if (seen < kLeastViews) continue;
@@ -217,14 +219,14 @@ class Matching {
       scratch.places[i] = place_in(other, nodes_[i], distance_m);
     }
     for (const Cell& cell : cells_) compare_cell(other, distance_m, cell, scratch);
-    for (std::size_t i = 0; i < asked_.at.size(); ++i) {
-      scratch.is_shown[i] = scratch.shown.at(asked_.at[i].x(), asked_.at[i].y()) > 0.0F ? 1 : 0;
+    for (std::size_t i = 0; i < requested_.at.size(); ++i) {
+      scratch.is_shown[i] = scratch.shown.at(requested_.at[i].x(), requested_.at[i].y()) > 0.0F ? 1 : 0;
     }
     scratch.difference.sum_patches();
     scratch.shown.sum_patches();
-    for (std::size_t i = 0; i < asked_.at.size(); ++i) {
+    for (std::size_t i = 0; i < requested_.at.size(); ++i) {
       if (scratch.is_shown[i] == 0) continue;
-      const int x = asked_.at[i].x(), y = asked_.at[i].y();
+      const int x = requested_.at[i].x(), y = requested_.at[i].y();
       const float cost = scratch.difference.at(x, y) / scratch.shown.at(x, y);
       float* const costs = &scratch.costs[i * others_.size()];
       std::size_t k = scratch.seen[i]++;
@@ -241,8 +243,8 @@ class Matching {
     const auto between = [&](float u, float v) -> Eigen::Vector2f {
       return (1.0F - v) * ((1.0F - u) * *at[a] + u * *at[b]) + v * ((1.0F - u) * *at[c] + u * *at[d]);
     };
-    for (int y = cell.top; y < std::min(cell.top + kLattice_px, asked_.height); ++y) {
-      for (int x = cell.left; x < std::min(cell.left + kLattice_px, asked_.width); ++x) {
+    for (int y = cell.top; y < std::min(cell.top + kLattice_px, requested_.height); ++y) {
+      for (int x = cell.left; x < std::min(cell.left + kLattice_px, requested_.width); ++x) {
         const std::optional<Eigen::Vector2f> place =
             all ? between(static_cast<float>(x - cell.left) / kLattice_px,
                           static_cast<float>(y - cell.top) / kLattice_px)
@@ -257,9 +259,9 @@ class Matching {
 
   const SweepPicture& picture_;
   const std::vector<const SweepPicture*>& others_;
-  const Asked& asked_;
+  const Requested& requested_;
   int columns_, rows_;       // of the lattice
-  std::vector<Ray> nodes_;  // [rows][columns]; empty without requested pixels
+  std::vector<Ray> nodes_;   // [rows][columns]; empty without requested pixels
   std::vector<Cell> cells_;  // between four nodes with rays
 };
 
@@ -287,24 +289,24 @@ float go_on(const float* cost, const float* before, float least, float* path) {
 
 /// Adds the cheapest path costs along (dx, dy) to each pixel (Hirschmüller 2008, equation 13).
 void add_paths(
-    const Asked& asked, const std::vector<float>& costs, int dx, int dy, std::vector<float>& sums) {
+    const Requested& requested, const std::vector<float>& costs, int dx, int dy, std::vector<float>& sums) {
   const bool is_forward = dy > 0 || (dy == 0 && dx > 0);
-  Paths last(asked.width), here(asked.width);
-  for (int row = 0; row < asked.height; ++row) {
-    const int y = is_forward ? row : asked.height - 1 - row;
+  Paths last(requested.width), here(requested.width);
+  for (int row = 0; row < requested.height; ++row) {
+    const int y = is_forward ? row : requested.height - 1 - row;
     std::swap(last, here);
     std::fill(here.least.begin(), here.least.end(), Paths::kNone);
     const Paths& before = dy == 0 ? here : last;
-    for (int column = 0; column < asked.width; ++column) {
-      const int x = is_forward ? column : asked.width - 1 - column, from = x - dx;
-      const std::uint32_t number = asked.number[asked.index(x, y)];
-      if (number == Asked::kNot) continue;
+    for (int column = 0; column < requested.width; ++column) {
+      const int x = is_forward ? column : requested.width - 1 - column, from = x - dx;
+      const std::uint32_t number = requested.number[requested.index(x, y)];
+      if (number == Requested::kNot) continue;
       const auto place = [](std::size_t i) { return i * kDistances; };
       const float* const cost = &costs[place(number)];
       float* const path = &here.costs[place(static_cast<std::size_t>(x))];
       float& least = here.least[static_cast<std::size_t>(x)];
       const bool goes_on =
-          from >= 0 && from < asked.width && before.least[static_cast<std::size_t>(from)] != Paths::kNone;
+          from >= 0 && from < requested.width && before.least[static_cast<std::size_t>(from)] != Paths::kNone;
       if (goes_on) {
         const auto i = static_cast<std::size_t>(from);
         least = go_on(cost, &before.costs[place(i)], before.least[i], path);
@@ -319,7 +321,7 @@ void add_paths(
 }
 
 /// Returns the means over paths from eight directions.
-std::vector<float> with_neighbours(const Asked& asked, const std::vector<float>& costs) {
+std::vector<float> with_neighbours(const Requested& requested, const std::vector<float>& costs) {
   constexpr std::array<std::array<int, 2>, 4> kSides{{{1, 0}, {0, 1}, {1, 1}, {-1, 1}}};
   std::array<std::vector<float>, 2> sums;  // of paths in both directions
   constexpr std::size_t kEach = 1;
@@ -328,7 +330,7 @@ std::vector<float> with_neighbours(const Asked& asked, const std::vector<float>&
       [&](std::size_t k) {
         sums[k].resize(costs.size());
         const int sign = k == 0 ? 1 : -1;
-        for (const auto& [dx, dy] : kSides) add_paths(asked, costs, sign * dx, sign * dy, sums[k]);
+        for (const auto& [dx, dy] : kSides) add_paths(requested, costs, sign * dx, sign * dy, sums[k]);
       },
       kEach);
   for (std::size_t i = 0; i < costs.size(); ++i) {
@@ -339,7 +341,7 @@ std::vector<float> with_neighbours(const Asked& asked, const std::vector<float>&
 
 /// A pixel's step of distance.
 struct Step {
-  double at = 0.0;  // fractional step from interpolated costs; 0: none
+  double at = 0.0;       // fractional step from interpolated costs; 0: none
   bool is_sure = false;  // its own cost is distinctive at most distances
 };
 
@@ -372,13 +374,13 @@ Step step_of(const float* own, const float* costs) {
 }
 
 /// Whether enough neighbours have a similar distance with certainty.
-bool is_confirmed(const Asked& asked, const std::vector<Step>& steps, std::size_t i) {
-  const int x = asked.at[i].x(), y = asked.at[i].y();
+bool is_confirmed(const Requested& requested, const std::vector<Step>& steps, std::size_t i) {
+  const int x = requested.at[i].x(), y = requested.at[i].y();
   int all = 0, sure = 0;
-  for (int v = std::max(y - kPatchReach, 0); v <= std::min(y + kPatchReach, asked.height - 1); ++v) {
-    for (int u = std::max(x - kPatchReach, 0); u <= std::min(x + kPatchReach, asked.width - 1); ++u) {
-      const std::uint32_t number = asked.number[asked.index(u, v)];
-      if (number == Asked::kNot) continue;
+  for (int v = std::max(y - kPatchReach, 0); v <= std::min(y + kPatchReach, requested.height - 1); ++v) {
+    for (int u = std::max(x - kPatchReach, 0); u <= std::min(x + kPatchReach, requested.width - 1); ++u) {
+      const std::uint32_t number = requested.number[requested.index(u, v)];
+      if (number == Requested::kNot) continue;
       ++all;
       sure += steps[number].is_sure && std::abs(steps[number].at - steps[i].at) <= kLikeSteps ? 1 : 0;
     }
@@ -387,7 +389,7 @@ bool is_confirmed(const Asked& asked, const std::vector<Step>& steps, std::size_
 }
 
 /// Returns for each block with confirmed pixels the one with the best match. `own`: [requested][kDistances]
-std::vector<std::uint32_t> best_of_blocks(const Asked& asked,
+std::vector<std::uint32_t> best_of_blocks(const Requested& requested,
                                           const std::vector<float>& own,
                                           const std::vector<Step>& steps) {
   const auto cost = [&](std::uint32_t i) {
@@ -395,9 +397,9 @@ std::vector<std::uint32_t> best_of_blocks(const Asked& asked,
   };
   std::map<std::array<int, 2>, std::uint32_t> best;
   for (std::uint32_t i = 0; i < steps.size(); ++i) {
-    if (steps[i].at == 0.0 || !is_confirmed(asked, steps, i)) continue;
+    if (steps[i].at == 0.0 || !is_confirmed(requested, steps, i)) continue;
     const auto [block, is_first] =
-        best.try_emplace({asked.at[i].y() / kBlock_px, asked.at[i].x() / kBlock_px}, i);
+        best.try_emplace({requested.at[i].y() / kBlock_px, requested.at[i].x() / kBlock_px}, i);
     if (!is_first && cost(i) < cost(block->second)) block->second = i;
   }
   std::vector<std::uint32_t> out;
@@ -427,18 +429,19 @@ SweepPicture sweep_picture(const ImageView& view, const Image& image, SkyMask sk
 std::vector<Eigen::Vector3d> sweep_depths(const SweepPicture& picture,
                                           const std::vector<const SweepPicture*>& others,
                                           const Coverage& coverage) {
-  const Asked asked = asked_of(picture, coverage);
+  const Requested requested = requested_of(picture, coverage);
   std::vector<Eigen::Vector3d> points;
-  if (asked.at.empty() || others.size() < kLeastViews) return points;
-  const std::vector<float> own = Matching(picture, others, asked).costs();
-  const std::vector<float> costs = with_neighbours(asked, own);
-  std::vector<Step> steps(asked.at.size());
+  if (requested.at.empty() || others.size() < kLeastViews) return points;
+  const std::vector<float> own = Matching(picture, others, requested).costs();
+  const std::vector<float> costs = with_neighbours(requested, own);
+  std::vector<Step> steps(requested.at.size());
   for (std::size_t i = 0; i < steps.size(); ++i) {
     steps[i] = step_of(&own[i * kDistances], &costs[i * kDistances]);
   }
-  for (const std::uint32_t i : best_of_blocks(asked, own, steps)) {
+  for (const std::uint32_t i : best_of_blocks(requested, own, steps)) {
     Eigen::Vector3d origin, direction;
-    picture.view.unproject(asked.at[i].cast<double>() + Eigen::Vector2d::Constant(0.5), origin, direction);
+    picture.view.unproject(
+        requested.at[i].cast<double>() + Eigen::Vector2d::Constant(0.5), origin, direction);
     if (!direction.isZero()) points.emplace_back(origin + distance_of(steps[i].at) * direction);
   }
   return points;

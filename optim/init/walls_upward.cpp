@@ -102,7 +102,7 @@ Eigen::Vector3d WallsUpward::place(std::size_t column, std::size_t step) const {
 void WallsUpward::look_through(const PosedSweep& posed) {
   const auto* const lidar = std::get_if<Lidar>(&posed.lidar);
   if (lidar == nullptr || posed.sweep.range.size() != lidar->ray_count()) return;
-  is_asked_ = true;
+  is_requested_ = true;
   const PassingRays rays(posed, *lidar);
   parallel_each(
       columns_.size(),
@@ -125,7 +125,7 @@ PointSet WallsUpward::points() const {
   const std::vector<double> around = heights_of_walls(columns_, tops);
   std::vector<Eigen::Vector3f> found;
   PointSet out;
-  for (std::size_t k = 0; k < columns_.size() && is_asked_; ++k) {
+  for (std::size_t k = 0; k < columns_.size() && is_requested_; ++k) {
     const double top_m = std::min(tops[k], around[k]) + 1e-6;
     for (std::size_t s = 0; s < steps_ && place(k, s).z() <= top_m; ++s) {
       found.push_back(place(k, s).cast<float>());

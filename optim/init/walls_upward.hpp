@@ -10,8 +10,8 @@
 #include "io/log/log.hpp"
 #include "optim/init/init_options.hpp"
 #include "optim/init/initialize_walls.hpp"
-#include "optim/init/posed_frames.hpp"
 #include "optim/init/points/points.hpp"
+#include "optim/init/posed_frames.hpp"
 
 namespace simuli {
 
@@ -35,7 +35,7 @@ class WallsUpward {
   std::size_t steps_;
   std::vector<WallColumn> columns_;
   std::vector<std::uint8_t> is_open_;  // [columns][steps] rays passed there
-  bool is_asked_ = false;
+  bool is_requested_ = false;
 };
 
 /// Returns LiDAR particles on these walls, by init.lidar_walls_m: none if that is 0. `points` as above, in the

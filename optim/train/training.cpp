@@ -11,12 +11,12 @@
 #include "host/core/base/version.hpp"
 #include "io/log/frame_files.hpp"
 #include "io/log/sanitized_labels.hpp"
+#include "optim/complete/record_support.hpp"
 #include "optim/data/refined_path.hpp"
 #include "optim/train/chunk/chunk_parts.hpp"
-#include "optim/complete/record_support.hpp"
-#include "optim/train/training_run.hpp"
-#include "optim/train/memory.hpp"
 #include "optim/train/chunk_plan.hpp"
+#include "optim/train/memory.hpp"
+#include "optim/train/training_run.hpp"
 
 namespace simuli {
 
@@ -140,8 +140,9 @@ const TrainingReport& Training::run(const Observer& on_step, const Checkpoints& 
   const std::vector<std::string>& damaged = state_->drive.report.start.damaged;
   warnings.insert(warnings.end(), damaged.begin(), damaged.end());
   for (const SensorUse& use : sensor_uses(state_->drive.log, HeldOutRule(state_->drive.log, frames))) {
-    const auto& asked = frames.held_out_sensors;
-    if (use.training > 0 || std::find(asked.begin(), asked.end(), use.sensor) != asked.end()) continue;
+    const auto& requested = frames.held_out_sensors;
+    if (use.training > 0 || std::find(requested.begin(), requested.end(), use.sensor) != requested.end())
+      continue;
     warnings.push_back(fmt::format("no frame of {} was trained on ({} held out)", use.sensor, use.held_out));
   }
   return report();

@@ -76,17 +76,15 @@ TEST_P(Scan, TellsTwoTotalsAtOnce) {
 TEST_P(Scan, TakesWhatIsTold) {
   Buffer<std::uint32_t> data(device_, "data", Words(50'001, 1));
   (void)scan_.run(data, 50'001, false);
-  const auto told = ScanBuffers(device_).bytes(ScanStage::sizes(device_, 50'001, GetParam()));
-  for (const BufferBytes& buffer : told)
+  const auto reported = ScanBuffers(device_).bytes(ScanStage::sizes(device_, 50'001, GetParam()));
+  for (const BufferBytes& buffer : reported)
     EXPECT_EQ(device_.memory_by_name().at(buffer.name).now, buffer.bytes) << buffer.name;
 }
 
 INSTANTIATE_TEST_SUITE_P(WorkItems,
                          Scan,
                          testing::Values(std::size_t{1}, std::size_t{64}),
-                         [](const auto& pair) {
-                           return std::string(pair.param == 1 ? "cpu" : "gpu");
-                         });
+                         [](const auto& pair) { return std::string(pair.param == 1 ? "cpu" : "gpu"); });
 
 }  // namespace
 }  // namespace simuli

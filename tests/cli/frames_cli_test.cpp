@@ -322,8 +322,8 @@ TEST_F(FramesCli, AreTheRecordedOnesOfTheSensor) {
     EXPECT_EQ(all.at(i).at("time_start_s"), log.images.at(i).time_start_s);
     EXPECT_EQ(all.at(i).at("time_end_s"), log.images.at(i).time_end_s);
   }
-  const nlohmann::json told = nlohmann::json::parse(run("info s.scene --json").out).at("recorded_frames");
-  EXPECT_EQ(told.at("top").at("frames"), 6);
+  const nlohmann::json reported = nlohmann::json::parse(run("info s.scene --json").out).at("recorded_frames");
+  EXPECT_EQ(reported.at("top").at("frames"), 6);
   EXPECT_NE(run("info s.scene").out.find("\n    6 frames, 10.0 per second, 0.05 to "), std::string::npos);
   const nlohmann::json some = render("--sensor front --frames 2:3", "some");
   ASSERT_EQ(some.size(), 2U);

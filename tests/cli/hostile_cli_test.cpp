@@ -152,7 +152,7 @@ TEST_F(HostileCli, RefusalsAreOneLine) {
 
 TEST_F(HostileCli, PathsAreToldOnOneLineAndWithoutEscapes) {
   const std::string name = "'a\x1b[2J\nb\u202e'\\''c'";  // as sh reads it
-  const auto told = [&](std::string command) {
+  const auto reported = [&](std::string command) {
     for (std::size_t at = 0; (at = command.find('@', at)) != std::string::npos;) command.replace(at, 1, name);
     const Outcome outcome = run(command);
     EXPECT_EQ(outcome.exit_code, 0) << command << outcome.err;
@@ -170,10 +170,10 @@ TEST_F(HostileCli, PathsAreToldOnOneLineAndWithoutEscapes) {
                               "import splat @.ply -o @.scene",
                               "actors s.log -o @.log",
                               "render s.scene --sensor front --frames 0:1 -o @"}) {
-    (void)told(command);
+    (void)reported(command);
   }
   // What is to be typed next means that scene.
-  const std::string next = told("train s.log -o @.0.scene --iterations 1 --set init.voxel_m=0.3");
+  const std::string next = reported("train s.log -o @.0.scene --iterations 1 --set init.voxel_m=0.3");
   const std::size_t from = next.find("simuli view ") + 12;
   std::ofstream(folder_ / "next.sh") << "test -d " << next.substr(from, next.find('\n', from) - from);
   EXPECT_EQ(run_line("bash next.sh").exit_code, 0) << next;

@@ -13,7 +13,7 @@ using nlohmann::json;
 
 class InfoCli : public Cli {
  protected:
-  json told(const std::string& arguments) const {
+  json reported(const std::string& arguments) const {
     const Outcome outcome = run("info " + arguments + " --json");
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return json::parse(outcome.out);
@@ -68,7 +68,7 @@ TEST_F(InfoCli, TextsOfFilesAreShownOnOneLineAndWithoutEscapes) {
 
 TEST_F(InfoCli, TellsWhatWasRecordedWhenAndWhoWasNear) {
   make_street();
-  const json log = told("s.log");
+  const json log = reported("s.log");
   ASSERT_EQ(log.at("recorded_frames").size(), 2U);
   for (const json& sensor : log.at("recorded_frames")) {
     EXPECT_EQ(sensor.at("frames"), 6);
@@ -90,7 +90,7 @@ TEST_F(InfoCli, TellsWhatWasRecordedWhenAndWhoWasNear) {
   ASSERT_EQ(
       run("train s.log -o s.scene --iterations 1 --set init.voxel_m=0.3 actors.track.learn=true").exit_code,
       0);
-  const json scene = told("s.scene");
+  const json scene = reported("s.scene");
   EXPECT_NEAR(scene.at("actors").at(0).at("nearest_m").get<double>(), car.at("nearest_m").get<double>(), 1.0);
   EXPECT_FALSE(scene.at("actors").at(0).contains("images"));  // those are the log's
   EXPECT_EQ(scene.at("recorded_frames"), log.at("recorded_frames"));
@@ -108,7 +108,7 @@ TEST_F(InfoCli, TellsWhatWasRecordedWhenAndWhoWasNear) {
   ASSERT_EQ(run("export s.scene -o s.ply").exit_code, 0);
   ASSERT_EQ(run("export s.scene -o s.spz").exit_code, 0);
   for (const std::string file : {"s.ply", "s.spz", "s.scene/camera.ply"}) {
-    const json splats = told(file);
+    const json splats = reported(file);
     EXPECT_EQ(splats.at("kind"), "splats");
     EXPECT_GT(splats.at("particles"), 100);
     EXPECT_EQ(splats.at("mean_min_m").size(), 3U);
@@ -123,7 +123,7 @@ TEST_F(InfoCli, TellsWhatBuiltInCamerasSee) {
   expect_text(
       "sensors",
       {"camera tum_vi_cam0      opencv_fisheye, 512 x 512 px, view ", " deg, focal ", "shutter global"});
-  const json sensors = told("sensors");
+  const json sensors = reported("sensors");
   ASSERT_EQ(sensors.at("models").size(), sensors.at("cameras").size() + sensors.at("lidars").size());
   const json& camera = sensors.at("models").at(0);
   EXPECT_EQ(camera.at("name"), sensors.at("cameras").at(0));

@@ -102,7 +102,7 @@ TEST_F(ProgressTest, NoTimeIsLeftBeforeItCanBeKnown) {
   struct Case {
     std::uint64_t done, total;
     double elapsed_s;
-    const char* told;
+    const char* reported;
   };
   for (const Case& c : {Case{1, 216, 26.0, "  0:26 elapsed"},
                         Case{10, 216, 30.0, "  0:30 elapsed"},
@@ -114,7 +114,7 @@ TEST_F(ProgressTest, NoTimeIsLeftBeforeItCanBeKnown) {
     Progress progress = make(ProgressStyle::kLines, c.total);
     now_s_ += c.elapsed_s;
     progress.update(c.done);
-    EXPECT_NE(take().find(c.told), std::string::npos) << c.done << '/' << c.total;
+    EXPECT_NE(take().find(c.reported), std::string::npos) << c.done << '/' << c.total;
   }
   Progress json = make(ProgressStyle::kJson, 216);
   now_s_ += 26.0;

@@ -60,10 +60,10 @@ TEST_F(RigCli, EverySensorIsRenderedAsIfAlone) {
 TEST_F(RigCli, SensorsCanBeNamedOneAfterTheOther) {
   const Outcome done = run("render --sensor front --sensor top s.scene --frames 0:0 -o both --json");
   ASSERT_EQ(done.exit_code, 0) << done.err;
-  const json told = json::parse(done.out);
-  ASSERT_EQ(told.at("sensors").size(), 2U);
-  EXPECT_EQ(told.at("sensors").at(1).at("folder"), "both/top");
-  EXPECT_EQ(told.at("sensors").at(1).at("frames"), 1);
+  const json reported = json::parse(done.out);
+  ASSERT_EQ(reported.at("sensors").size(), 2U);
+  EXPECT_EQ(reported.at("sensors").at(1).at("folder"), "both/top");
+  EXPECT_EQ(reported.at("sensors").at(1).at("frames"), 1);
   EXPECT_TRUE(fs::exists(folder_ / "both/front/front_000000.png"));
   EXPECT_TRUE(fs::exists(folder_ / "both/top/top_000000.ply"));
   EXPECT_TRUE(fs::exists(folder_ / "both/top/frames.json"));

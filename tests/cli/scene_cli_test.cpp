@@ -99,14 +99,14 @@ TEST_F(SceneCli, TrainEndsWithTheScoresThatEvalAndInfoTell) {
   EXPECT_EQ(train.err.find("find what moves"), std::string::npos) << train.err;  // short: not told in a file
 
   // The same as JSON, and particles as they are in the scene.
-  const nlohmann::json told =
+  const nlohmann::json reported =
       nlohmann::json::parse(run("train s.log -o b --iterations 3 --set init.voxel_m=0.3 --json").out);
   const nlohmann::json kept = nlohmann::json::parse(run("info b --json").out);
   const nlohmann::json compared = nlohmann::json::parse(run("eval b s.log --json").out);
-  EXPECT_EQ(told.at("held_out"), kept.at("training").at("held_out"));
-  for (const auto& [key, value] : told.at("held_out").items()) EXPECT_EQ(value, compared.at(key)) << key;
-  EXPECT_EQ(told.at("camera_particles"), kept.at("camera_set").at("particles"));
-  EXPECT_EQ(told.at("lidar_particles"), kept.at("lidar_set").at("particles"));
+  EXPECT_EQ(reported.at("held_out"), kept.at("training").at("held_out"));
+  for (const auto& [key, value] : reported.at("held_out").items()) EXPECT_EQ(value, compared.at(key)) << key;
+  EXPECT_EQ(reported.at("camera_particles"), kept.at("camera_set").at("particles"));
+  EXPECT_EQ(reported.at("lidar_particles"), kept.at("lidar_set").at("particles"));
 
   // Nothing was held out, as asked for, or because every tenth of six frames is none; a report shows all.
   for (const char* how : {"0", "10"}) {
@@ -149,7 +149,7 @@ TEST_F(SceneCli, SmallThingsAreTakenOrRefusedInOneLine) {
   struct Case {
     const char* arguments;
     int exit_code;
-    const char* told;
+    const char* reported;
   };
   for (const Case& c :
        {Case{"render s.scene --sensor front --lane-shift left -o x",
@@ -163,7 +163,7 @@ TEST_F(SceneCli, SmallThingsAreTakenOrRefusedInOneLine) {
         Case{"info a.usdz", kInput, "a.usdz: file: found other data, allowed JSON of a sensor; splats"},
         Case{"info a.json", kInput, "a.json: JSON: found parse error"},
         Case{"export s.scene --at 50 -o x.ply", kUsage, "--at: found 50, allowed "}}) {
-    expect_failure(c.arguments, c.exit_code, c.told);
+    expect_failure(c.arguments, c.exit_code, c.reported);
   }
 }
 
@@ -431,16 +431,16 @@ TEST_F(SceneCli, OtherFormatsOut) {
     const Outcome video = run("render s.scene --sensor front --times 0:0.3:0.1 -o 'it'\\''s.mp4'");
     EXPECT_EQ(video.exit_code, 0) << video.err;
     expect_file("it's.mp4");
-    const std::string told = (folder_ / "told.txt").string();
+    const std::string reported = (folder_ / "told.txt").string();
     const std::string probe =
         "ffprobe -v error -select_streams v -show_entries stream=color_range,color_space,"
         "color_primaries,color_transfer -of csv=p=0 '" +
         (folder_ / "it's.mp4").string();
     const std::string quoted =
-        std::string(probe).replace(probe.find("it's"), 4, "it'\\''s") + "' > '" + told + "'";
+        std::string(probe).replace(probe.find("it's"), 4, "it'\\''s") + "' > '" + reported + "'";
     if (std::system("command -v ffprobe >/dev/null") == 0 && std::system(quoted.c_str()) == 0) {
       std::string line;
-      std::getline(std::ifstream(told) >> std::ws, line);
+      std::getline(std::ifstream(reported) >> std::ws, line);
       EXPECT_EQ(line, "tv,bt709,bt709,bt709");
     }
   }

@@ -41,9 +41,10 @@ TEST_F(Cli, SensorsAreMountedAndSizedAsAsked) {
     return simuli::read_file(folder_ / a) == simuli::read_file(folder_ / b);
   };
   // Where the street's camera and LiDAR are: nothing changes.
-  const std::string told = run("info s.scene").out;
-  EXPECT_NE(told.find("shutter global, mounted at 1.4,0.05,1.5,0,0,0 (m, deg)\n"), std::string::npos) << told;
-  EXPECT_NE(told.find("mounted at 0,0,1.9,0,0,0 (m, deg)\n"), std::string::npos) << told;
+  const std::string reported = run("info s.scene").out;
+  EXPECT_NE(reported.find("shutter global, mounted at 1.4,0.05,1.5,0,0,0 (m, deg)\n"), std::string::npos)
+      << reported;
+  EXPECT_NE(reported.find("mounted at 0,0,1.9,0,0,0 (m, deg)\n"), std::string::npos) << reported;
   (void)render("--sensor front", "front");
   const auto mounted = render("--sensor front --mount 1.4,0.05,1.5,0,0,0", "mounted");
   EXPECT_TRUE(same("front/front_000000.png", "mounted/front_000000.png"));

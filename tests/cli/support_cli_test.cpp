@@ -82,7 +82,8 @@ TEST_F(SupportCli, FallsBesideThePath) {
   expect_failure(
       "render s.scene --sensor front --frames 1:1 --outputs support -o x", kUsage, "train it anew");
   expect_failure("eval s.scene s.log --support", kUsage, "train it anew");
-  expect_failure("render s.scene --sensor front --frames 1:1 --mirror car -o x", kUsage, "train the scene again");
+  expect_failure(
+      "render s.scene --sensor front --frames 1:1 --mirror car -o x", kUsage, "train the scene again");
 }
 
 TEST_F(SupportCli, MirrorsWhatOneSideAloneWasSeenOf) {
@@ -105,9 +106,9 @@ cp "$1/views.json" told_$(ls told_* 2>/dev/null | wc -l).json
       "train s.log --iterations 8 --set init.voxel_m=0.3 fixer.views=2 fixer.shift_m=1.5";
   const Outcome done = run(train + " -o fixed.scene --fixer 'sh mend.sh'");
   ASSERT_EQ(done.exit_code, 0) << done.err;
-  const nlohmann::json told = nlohmann::json::parse(read_file(folder_ / "told_0.json"));
-  EXPECT_EQ(told.at("iteration"), 4);
-  EXPECT_EQ(told.at("views").size(), 4U);  // two pictures, to both sides
+  const nlohmann::json reported = nlohmann::json::parse(read_file(folder_ / "told_0.json"));
+  EXPECT_EQ(reported.at("iteration"), 4);
+  EXPECT_EQ(reported.at("views").size(), 4U);  // two pictures, to both sides
   EXPECT_TRUE(fs::exists(folder_ / "told_1.json"));
   EXPECT_FALSE(fs::exists(folder_ / "told_2.json"));
   ASSERT_EQ(run(train + " -o plain.scene").exit_code, 0);

@@ -50,13 +50,13 @@ constexpr void visit_fields(Options& o, F&& field) {
 
 /// Has a member that its visitor does not visit.
 struct Forgetful {
-  int told = 0;
+  int reported = 0;
   Rates rates;
   double forgotten = 0.0;
 };
 template <class F>
 constexpr void visit_fields(Forgetful& o, F&& field) {
-  field("told", o.told, at_least(0), "");
+  field("told", o.reported, at_least(0), "");
   field.part("", o.rates);
 }
 

@@ -13,8 +13,8 @@
 #include "host/device/render/train/adam.hpp"
 #include "host/device/render/train/densify.hpp"
 #include "host/device/render/train/loss_stages.hpp"
-#include "tests/cl/support.hpp"
 #include "optim/train/paper/anchor_stage.hpp"
+#include "tests/cl/support.hpp"
 #include "tests/support/device.hpp"
 
 namespace simuli {
@@ -22,8 +22,8 @@ namespace {
 
 template <class Sizes>
 void expect_counted(const Device& device, const BufferTable<Sizes>& table, const Sizes& sizes) {
-  for (const BufferBytes& told : table.bytes(sizes)) {
-    EXPECT_EQ(device.memory_by_name().at(told.name).now, told.bytes) << told.name;
+  for (const BufferBytes& reported : table.bytes(sizes)) {
+    EXPECT_EQ(device.memory_by_name().at(reported.name).now, reported.bytes) << reported.name;
   }
 }
 

@@ -177,11 +177,11 @@ TEST_F(ServedCameras, ComeBackAsTheyAre) {
     // What the message says is the same camera within rounding, whatever it is called.
     proto::CameraSpec renamed = spec_of(camera);
     renamed.set_logical_id("other");
-    const Camera told = camera_of(renamed);
+    const Camera reported = camera_of(renamed);
     for (const double angle : {0.0, 0.2, 0.5}) {
       for (const double turn : {0.0, 1.0, 4.0}) {
         const Eigen::Vector3d point = 3.0 * direction(angle, turn);
-        EXPECT_LT((pixel_of(told, point) - pixel_of(camera, point)).norm(), 1e-9) << camera.name;
+        EXPECT_LT((pixel_of(reported, point) - pixel_of(camera, point)).norm(), 1e-9) << camera.name;
       }
     }
   }
@@ -201,13 +201,14 @@ TEST_F(ServedCameras, AreScaledOnEachAxisByItself) {
     EXPECT_LT((pixel_of(scaled, point) - wanted).norm(), 1e-9);
   }
   // Told again with its new size, it is the same camera: the linear part holds the aspect.
-  proto::CameraSpec told = spec_of(scaled);
-  told.set_logical_id("other");
-  EXPECT_NEAR(told.ftheta_param().linear_cde().linear_c(), 0.5 / 0.75, 1e-12);
-  EXPECT_LT((pixel_of(camera_of(told), direction(0.3, 0.6)) - pixel_of(scaled, direction(0.3, 0.6))).norm(),
-            1e-9);
-  told.set_logical_id("");  // which a request need not have, but a Sensor
-  EXPECT_NO_THROW((void)Sensor(camera_of(told)));
+  proto::CameraSpec reported = spec_of(scaled);
+  reported.set_logical_id("other");
+  EXPECT_NEAR(reported.ftheta_param().linear_cde().linear_c(), 0.5 / 0.75, 1e-12);
+  EXPECT_LT(
+      (pixel_of(camera_of(reported), direction(0.3, 0.6)) - pixel_of(scaled, direction(0.3, 0.6))).norm(),
+      1e-9);
+  reported.set_logical_id("");  // which a request need not have, but a Sensor
+  EXPECT_NO_THROW((void)Sensor(camera_of(reported)));
   for (const auto& [width, height] : {std::pair{0U, 270U}, {320U, 0U}, {100000U, 100000U}, {5000U, 5000U}}) {
     request.set_resolution_w(width);
     request.set_resolution_h(height);

@@ -108,7 +108,7 @@ TEST_F(ServedEdits, WhoIsInsertedIsOnItsOwnTrack) {
   proto::DynamicObject& object = *named.add_dynamic_objects();
   object.set_track_id("second");
   const Pose elsewhere = file_.scene.actors[1].at(0.5);
-  tell_poses(*object.mutable_pose_pair(), elsewhere, elsewhere);
+  report_poses(*object.mutable_pose_pair(), elsewhere, elsewhere);
   EXPECT_EQ(rendered(named), changed(request, [&](Scene& scene) {
               duplicate_actor(scene, "car", "second");
               retrack_actor(scene, "second", {{0.5, elsewhere}});

@@ -3,8 +3,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <google/protobuf/stubs/logging.h>
 #include <fmt/format.h>
+#include <google/protobuf/stubs/logging.h>
 #include <gtest/gtest.h>
 #include <iostream>
 #include <random>
@@ -225,9 +225,9 @@ TEST_F(ServedFuzz, Edits) {
   restore.set_scene_id(test::kSceneId);
   int right = 0, wrong = 0;
   const Counts counts = fuzz<proto::EditAssetsRequest>(
-      {edits}, 4, [&](const proto::EditAssetsRequest& asked, bool is_rendered) {
+      {edits}, 4, [&](const proto::EditAssetsRequest& requested, bool is_rendered) {
         proto::EditAssetsResponse reply;
-        handlers.edit_assets({}, asked, reply);
+        handlers.edit_assets({}, requested, reply);
         ++(reply.success() ? right : wrong);
         EXPECT_EQ(reply.success(), reply.message().empty());
         if (is_rendered) static_cast<void>(rendered(request));

@@ -327,8 +327,8 @@ TEST_F(ServedFrames, RefusesWhatIsNotRendered) {
 
 TEST_F(ServedFrames, WhoGivesUpIsNotWaitedFor) {
   Call call;
-  int asked = 0;
-  call.is_given_up = [&] { return ++asked > 1; };
+  int requested = 0;
+  call.is_given_up = [&] { return ++requested > 1; };
   proto::RGBRenderReturn reply;
   expect_refusal(RefusalKind::kCancelled, "cancelled", [&] {
     handlers_->render_rgb(call, picture_request("front", 0.5, 0.5), reply);

@@ -100,16 +100,16 @@ class Served : public testing::Test {
   [[nodiscard]] Shot recorded_shot(const std::string& sensor, double start_s, double end_s) const {
     return Shot::along(file_.world_from_rig, rig_.find(sensor).rig_from_sensor(), start_s, end_s);
   }
-  void tell_poses(serve::proto::PosePair& pair, const Pose& start, const Pose& end) const {
+  void report_poses(serve::proto::PosePair& pair, const Pose& start, const Pose& end) const {
     *pair.mutable_start_pose() = serve::message_of(scene_->local(start));
     *pair.mutable_end_pose() = serve::message_of(scene_->local(end));
   }
   template <class Objects>
-  void tell_actors(Objects& objects, double start_s, double end_s) const {
+  void report_actors(Objects& objects, double start_s, double end_s) const {
     for (const Actor& actor : file_.scene.actors) {
       serve::proto::DynamicObject& object = *objects.Add();
       object.set_track_id(actor.name);
-      tell_poses(*object.mutable_pose_pair(), actor.at(start_s), actor.at(end_s));
+      report_poses(*object.mutable_pose_pair(), actor.at(start_s), actor.at(end_s));
     }
   }
   [[nodiscard]] serve::proto::RGBRenderRequest picture_request(
@@ -126,8 +126,8 @@ class Served : public testing::Test {
     request.set_frame_start_us(scene_->microseconds(start_s));
     request.set_frame_end_us(scene_->microseconds(end_s));
     const Shot shot = recorded_shot(camera, start_s, end_s);
-    tell_poses(*request.mutable_sensor_pose(), shot.world_from_sensor_start, shot.world_from_sensor_end);
-    tell_actors(*request.mutable_dynamic_objects(), start_s, end_s);
+    report_poses(*request.mutable_sensor_pose(), shot.world_from_sensor_start, shot.world_from_sensor_end);
+    report_actors(*request.mutable_dynamic_objects(), start_s, end_s);
     request.set_image_format(format);
     return request;
   }
@@ -137,8 +137,8 @@ class Served : public testing::Test {
     request.set_frame_start_us(scene_->microseconds(start_s));
     request.set_frame_end_us(scene_->microseconds(end_s));
     const Shot shot = recorded_shot("top", start_s, end_s);
-    tell_poses(*request.mutable_sensor_pose(), shot.world_from_sensor_start, shot.world_from_sensor_end);
-    tell_actors(*request.mutable_dynamic_objects(), start_s, end_s);
+    report_poses(*request.mutable_sensor_pose(), shot.world_from_sensor_start, shot.world_from_sensor_end);
+    report_actors(*request.mutable_dynamic_objects(), start_s, end_s);
     return request;
   }
   [[nodiscard]] std::string rendered(const serve::proto::RGBRenderRequest& request) const {

@@ -146,7 +146,7 @@ TEST_F(ServerTest, GivesUpRepliesThatNobodyReads) {
 
 TEST_F(ServerTest, EditsUnderBothNames) {
   handlers_ = std::make_unique<Handlers>(
-      *session_, EgoMasks(), "", HandlerOptions{.allows_edits = true, .told = {{"max-workers", "4"}}});
+      *session_, EgoMasks(), "", HandlerOptions{.allows_edits = true, .reported = {{"max-workers", "4"}}});
   start({});
   const auto nurec = NurecService::NewStub(channel_);
   proto::EditAssetsRequest edits;
@@ -184,12 +184,12 @@ TEST_F(ServerTest, ShutsDownWhereThatIsAllowed) {
   const grpc::Status denied = stub_->shut_down(&c1, {}, &empty);
   EXPECT_EQ(denied.error_code(), grpc::PERMISSION_DENIED);
   EXPECT_NE(denied.error_message().find("--allow-shut-down"), std::string::npos);
-  EXPECT_FALSE(server_->is_shut_down_asked_for());
+  EXPECT_FALSE(server_->is_shut_down_requested());
   ServerOptions options;
   options.allows_shut_down = true;
   start(options);
   EXPECT_TRUE(NurecService::NewStub(channel_)->shut_down(&c2, {}, &empty).ok());
-  EXPECT_TRUE(server_->is_shut_down_asked_for());
+  EXPECT_TRUE(server_->is_shut_down_requested());
   expect_answers();  // until its owner drains it
 }
 
@@ -213,14 +213,15 @@ TEST_F(ServerTest, ReplicasAreAListOfAddresses) {
     const test::MetricsText text(metrics);
     return text.has(sample) ? text.value(sample) : 0.0;
   };
-  int asked = 0;
-  for (; asked < 200 && (answered(server_->metrics()) < 2.0 || answered(second.metrics()) < 2.0); ++asked) {
+  int requested = 0;
+  for (; requested < 200 && (answered(server_->metrics()) < 2.0 || answered(second.metrics()) < 2.0);
+       ++requested) {
     grpc::ClientContext context;
     proto::RGBRenderReturn reply;
     ASSERT_TRUE(stub->render_rgb(&context, request, &reply).ok());
     EXPECT_EQ(reply.image_bytes(), wanted);
   }
-  EXPECT_EQ(answered(server_->metrics()) + answered(second.metrics()), asked);
+  EXPECT_EQ(answered(server_->metrics()) + answered(second.metrics()), requested);
   EXPECT_GE(answered(second.metrics()), 2.0);
 }
 

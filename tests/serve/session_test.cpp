@@ -204,10 +204,10 @@ TEST_F(Session, TellsOfBrokenSplats) {
   write_file_atomically(scratch_ / "a.ply", test::half_broken_ply());
   SessionOptions some = options();
   some.scenes = scene_sources({(scratch_ / "a.ply").string()});
-  std::vector<std::string> told;
-  some.note = [&](const std::string& text) { told.push_back(text); };
+  std::vector<std::string> reported;
+  some.note = [&](const std::string& text) { reported.push_back(text); };
   EXPECT_EQ(RenderSession(some).open("a")->scene().camera.size(), 1);
-  EXPECT_EQ(told, std::vector<std::string>{"a: left out: " + broken_particles(1)});
+  EXPECT_EQ(reported, std::vector<std::string>{"a: left out: " + broken_particles(1)});
 }
 
 TEST_F(Session, TellsOfScenesThatAreNone) {
@@ -246,8 +246,8 @@ TEST(Refusal, IsOneShortLine) {
   EXPECT_EQ(std::string(refusal.what()).find('\n'), std::string::npos);
   std::string accents;
   for (int i = 0; i < 600; ++i) accents += "\xC3\xA9";
-  const std::string told = Refusal(RefusalKind::kInvalid, "x" + accents).what();
-  EXPECT_EQ(told.substr(told.size() - 5, 2), "\xC3\xA9");  // whole
+  const std::string reported = Refusal(RefusalKind::kInvalid, "x" + accents).what();
+  EXPECT_EQ(reported.substr(reported.size() - 5, 2), "\xC3\xA9");  // whole
 }
 
 }  // namespace

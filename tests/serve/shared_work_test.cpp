@@ -140,7 +140,7 @@ TEST(SharedWork, WhoComesToWorkThatIsBeingEndedStartsItsOwn) {
 TEST(SharedWork, AllAreToldWhatWentWrong) {
   SharedWork shared;
   Gate gate;
-  std::atomic<int> told = 0;
+  std::atomic<int> reported = 0;
   {
     std::vector<std::jthread> callers;
     for (int k = 0; k < 3; ++k) {
@@ -154,7 +154,7 @@ TEST(SharedWork, AllAreToldWhatWentWrong) {
               },
               never_given_up));
         } catch (const std::runtime_error& error) {
-          told += std::string(error.what()) == "no room" ? 1 : 0;
+          reported += std::string(error.what()) == "no room" ? 1 : 0;
         }
       });
     }
@@ -162,7 +162,7 @@ TEST(SharedWork, AllAreToldWhatWentWrong) {
     settle();
     gate.is_open = true;
   }
-  EXPECT_EQ(told, 3);
+  EXPECT_EQ(reported, 3);
   EXPECT_EQ(gate.begun, 1);
 }
 

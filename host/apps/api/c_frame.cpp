@@ -115,12 +115,12 @@ simuli_status simuli_render(simuli_scene* scene,
     simuli_frame*& out = need(frame, "frame");
     const Sensor sensor = sensor_of(need(scene, "scene"), name);
     Shot wanted = shot_of(need(shot, "shot"));
-    FrameRequest asked = request_of(request, sensor.ray_count());
-    asked.options = scene->options;
+    FrameRequest requested = request_of(request, sensor.ray_count());
+    requested.options = scene->options;
     for (std::size_t i = 0; request != nullptr && i < request->edit_count; ++i) {
       wanted.edits.push_back(edit_of((&need(request->edits, "edits"))[i]));
     }
-    out = new simuli_frame{scene->on_device.render(sensor, wanted, asked)};
+    out = new simuli_frame{scene->on_device.render(sensor, wanted, requested)};
   });
 }
 
@@ -164,11 +164,11 @@ simuli_status simuli_frame_support(simuli_scene* scene,
                                    size_t count) {
   return guarded([&] {
     simuli_scene& of = need(scene, "scene");
-    const Frame& asked = need(frame, "frame").frame;
-    need_length("count", count, asked.sensor().ray_count());
-    FrameAccess::need_of(asked, of.on_device.scene(), "support");
+    const Frame& requested = need(frame, "frame").frame;
+    need_length("count", count, requested.sensor().ray_count());
+    FrameAccess::need_of(requested, of.on_device.scene(), "support");
     if (!of.support) of.support.emplace(of.on_device.device(), of.file.support);
-    const std::vector<float> found = of.support->of(asked, of.on_device.scene(), of.copies);
+    const std::vector<float> found = of.support->of(requested, of.on_device.scene(), of.copies);
     std::copy(found.begin(), found.end(), &need(values, "values"));
   });
 }
@@ -178,13 +178,13 @@ simuli_status simuli_frame_labels(
   return guarded([&] {
     simuli_scene& of = need(scene, "scene");
     const Scene& current = of.on_device.scene();
-    const Frame& asked = need(frame, "frame").frame;
+    const Frame& requested = need(frame, "frame").frame;
     if (room < current.actors.size()) {
       throw Error(ErrorKind::kUsage,
                   fmt::format("room: found {}, allowed at least {}", room, current.actors.size()));
     }
     if (!of.labels) of.labels.emplace(of.on_device.device(), borrowed(current), of.options);
-    const std::vector<ActorLabel> found = of.labels->of(asked);
+    const std::vector<ActorLabel> found = of.labels->of(requested);
     if (!found.empty()) std::transform(found.begin(), found.end(), &need(labels, "labels"), label_of);
     need(count, "count") = found.size();
   });
@@ -197,8 +197,8 @@ simuli_status simuli_frame_flow(const simuli_scene* scene,
                                 float* points,
                                 size_t count) {
   return guarded([&] {
-    const Frame& asked = need(frame, "frame").frame;
-    const Flow flow = flow_of(asked, need(scene, "scene").on_device.scene(), need(to, "to").frame.shot());
+    const Frame& requested = need(frame, "frame").frame;
+    const Flow flow = flow_of(requested, need(scene, "scene").on_device.scene(), need(to, "to").frame.shot());
     need_length("count", count, flow.pixels.data.size());
     if (pixels != nullptr) std::copy(flow.pixels.data.begin(), flow.pixels.data.end(), pixels);
     if (points != nullptr) std::copy(flow.points.data.begin(), flow.points.data.end(), points);

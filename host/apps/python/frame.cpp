@@ -211,7 +211,9 @@ void add_frames(py::module_& m) {
           "host. It belongs to the frame and is read-only, which only DLPack 1 can express.")
       .def(
           "__dlpack__",
-          [](PyFrame& f, const py::kwargs& asked) { return main_tensor(f).attr("__dlpack__")(**asked); },
+          [](PyFrame& f, const py::kwargs& requested) {
+            return main_tensor(f).attr("__dlpack__")(**requested);
+          },
           "That of tensor(\"image\"), of LiDARs tensor(\"range_m\").")
       .def(
           "__dlpack_device__",

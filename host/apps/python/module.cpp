@@ -70,8 +70,8 @@ PYBIND11_MODULE(_simuli, m) {
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       std::rethrow_exception(std::move(thrown));
-    } catch (const simuli::Error& told) {
-      PyErr_SetString(error.ptr(), told.what());
+    } catch (const simuli::Error& reported) {
+      PyErr_SetString(error.ptr(), reported.what());
     }
   });
   error.attr("__module__") = "simuli";

@@ -5,17 +5,17 @@
 namespace simuli {
 namespace {
 
-thread_local const std::function<void()>* asked = nullptr;
+thread_local const std::function<void()>* requested = nullptr;
 
 }  // namespace
 
-Interruption::Interruption(const std::function<void()>& check) : before_(std::exchange(asked, &check)) {}
+Interruption::Interruption(const std::function<void()>& check) : before_(std::exchange(requested, &check)) {}
 
-Interruption::~Interruption() { asked = before_; }
+Interruption::~Interruption() { requested = before_; }
 
 void Interruption::ask() {
-  if (is_on()) (*asked)();
+  if (is_on()) (*requested)();
 }
-bool Interruption::is_on() { return asked != nullptr; }
+bool Interruption::is_on() { return requested != nullptr; }
 
 }  // namespace simuli

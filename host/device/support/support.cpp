@@ -44,7 +44,8 @@ struct SupportSizes {
 struct SupportBuffers : BufferTable<SupportSizes> {
   using BufferTable::BufferTable;
   // Assigned for each frame.
-  Structs<shared::SupportFrame> asked{*this, "asked", [](const SupportSizes&) { return std::uint64_t{1}; }};
+  Structs<shared::SupportFrame> requested{
+      *this, "requested", [](const SupportSizes&) { return std::uint64_t{1}; }};
   Structs<shared::SupportGrid> grids{*this, "grids", [](const SupportSizes&) { return std::uint64_t{1}; }};
   Structs<shared::SupportBox> boxes{*this, "boxes", [](const SupportSizes&) { return std::uint64_t{1}; }};
   Structs<shared::SupportView> views{*this, "views", [](const SupportSizes&) { return std::uint64_t{1}; }};
@@ -279,7 +280,7 @@ std::vector<float> SupportOnDevice::of(const Frame& frame, const Scene& scene, c
   const Comparison with =
       comparison(*s.record, views, s.first_cells, rays_per_rad_of(sensor), shot, centre, scene, copies);
   const SupportTrust& t = support_trust(kind);
-  b.asked.assign(shared::reals_of(
+  b.requested.assign(shared::reals_of(
       shared::SupportFrame<double>{support_pose(moved(shot.world_from_sensor_start, -centre)),
                                    support_pose(moved(shot.world_from_sensor_end, -centre)),
                                    t.constant,

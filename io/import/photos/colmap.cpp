@@ -278,8 +278,8 @@ bool holds_model(const fs::path& folder, const char* ending) {
          fs::exists(folder / (std::string("images.") + ending), ignored);
 }
 
-fs::path find_images(const fs::path& model, const fs::path& asked) {
-  if (!asked.empty()) return asked;
+fs::path find_images(const fs::path& model, const fs::path& requested) {
+  if (!requested.empty()) return requested;
   std::error_code ignored;
   fs::path folder = (fs::current_path() / model).lexically_normal();
   for (int up = 0; up < 4; ++up, folder = folder.parent_path()) {

@@ -77,14 +77,14 @@ Pattern pattern_of(const std::vector<double>& columns) {
 
 double columns_by_steps(const std::vector<FiredRun>& runs, double span) {
   std::vector<double> steps;
-  std::size_t asked = 0;
+  std::size_t requested = 0;
   for (const FiredRun& run : runs) {
     if (run.size() <= kFewest) continue;
-    ++asked;
+    ++requested;
     const double step = step_of(run);
     if (step > 0.0) steps.push_back(step);
   }
-  const double needed = kFewestRuns * static_cast<double>(asked);
+  const double needed = kFewestRuns * static_cast<double>(requested);
   if (steps.empty() || static_cast<double>(steps.size()) < needed) return 0.0;
   // The fastest rate that a fifth of the beams have, to exclude beams with few far points.
   const auto fast = steps.begin() +
@@ -131,18 +131,18 @@ int set_firing_pattern(const std::vector<FiredRun>& runs, Lidar& lidar) {
   if (!(std::abs(phase) > kSeen * count)) return 0;
   const double shift = std::arg(phase) / kTurn;
   std::vector<Pattern> found;
-  std::size_t told = 0, always = 0;
+  std::size_t reported = 0, always = 0;
   for (std::vector<double>& row : columns) {
     for (double& column : row) column -= shift;
     found.push_back(pattern_of(row));
-    told += found.back().every > 0 ? 1 : 0;
+    reported += found.back().every > 0 ? 1 : 0;
     always += found.back().every == 1 ? 1 : 0;
   }
   const bool has_pattern =
       std::any_of(lidar.rows.begin(), lidar.rows.end(), [](const LidarRow& row) { return row.every > 1; });
   // Clouds with every beam thinned do not determine the sensor's rate.
-  if (static_cast<double>(always) < kFewestRuns * static_cast<double>(told)) return 0;
-  if (told == 0 || (always == told && !has_pattern)) return 0;
+  if (static_cast<double>(always) < kFewestRuns * static_cast<double>(reported)) return 0;
+  if (reported == 0 || (always == reported && !has_pattern)) return 0;
   lidar.azimuth_first += lidar.spin_sign() * shift * lidar.azimuth_span / lidar.columns;
   int changed = 0;
   for (std::size_t r = 0; r < rows; ++r) {

@@ -98,9 +98,9 @@ class Finder {
   const std::string& where_;
 };
 
-void find_time(const Finder& finder, const std::string& asked, CloudFields& fields) {
-  if (!asked.empty()) {
-    const std::vector<std::string> parts = split(asked, ':');
+void find_time(const Finder& finder, const std::string& requested, CloudFields& fields) {
+  if (!requested.empty()) {
+    const std::vector<std::string> parts = split(requested, ':');
     const auto* unit = std::find_if(std::begin(kUnits), std::end(kUnits), [&](const Unit& u) {
       return parts.size() > 1 && parts[1] == u.name;
     });
@@ -110,7 +110,7 @@ void find_time(const Finder& finder, const std::string& asked, CloudFields& fiel
           ErrorKind::kUsage,
           fmt::format("--point-time: found \"{}\", allowed FIELD:UNIT or FIELD:UNIT:absolute, UNIT s, ms, "
                       "us or ns",
-                      asked));
+                      requested));
     }
     fields.time = finder.need(parts[0], "--point-time");
     fields.time_unit_s = unit->s;
@@ -132,18 +132,18 @@ void find_time(const Finder& finder, const std::string& asked, CloudFields& fiel
   }
 }
 
-void find_intensity(const Finder& finder, const std::string& asked, CloudFields& fields) {
-  if (asked.empty()) {
+void find_intensity(const Finder& finder, const std::string& requested, CloudFields& fields) {
+  if (requested.empty()) {
     const bool is_ouster = finder.find("t") && finder.find("reflectivity");
     fields.intensity = finder.find(is_ouster ? "reflectivity" : "intensity");
     return;
   }
-  const std::vector<std::string> parts = split(asked, ':');
+  const std::vector<std::string> parts = split(requested, ':');
   char* end = nullptr;
   const double most = parts.size() == 2 ? std::strtod(parts[1].c_str(), &end) : 0.0;
   if (parts.size() != 2 || *end != '\0' || !(most > 0.0) || !std::isfinite(most)) {
     throw Error(ErrorKind::kUsage,
-                fmt::format("--intensity: found \"{}\", allowed FIELD:MOST, MOST above 0", asked));
+                fmt::format("--intensity: found \"{}\", allowed FIELD:MOST, MOST above 0", requested));
   }
   fields.intensity = finder.need(parts[0], "--intensity");
   fields.intensity_most = most;
@@ -163,7 +163,7 @@ double time_of(double value, const CloudFields& fields, double stamp_s) {
 
 }  // namespace
 
-std::string CloudFields::told() const {
+std::string CloudFields::reported() const {
   std::string text = ring ? ring->name : "no ring (rows by elevation)";
   text += time ? ", " + time->name : ", no times (by the columns)";
   text += intensity ? fmt::format(", {} to {:g}", intensity->name, intensity_most) : ", no intensity (0)";

@@ -39,7 +39,7 @@ struct CloudFields {
   double intensity_most = 255.0;
 
   /// "ring, time (s), intensity to 255"
-  [[nodiscard]] std::string told() const;
+  [[nodiscard]] std::string reported() const;
 };
 
 /// A point with values.

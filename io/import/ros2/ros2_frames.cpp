@@ -53,12 +53,12 @@ void FrameWriter::write(const std::map<std::string, RecordedLidar>& lidars,
                         const CloudFieldOptions& fields,
                         const FrameProgress& progress) {
   std::size_t done = 0;
-  const auto is_asked = [&](const BagChannel& c) {
+  const auto is_requested = [&](const BagChannel& c) {
     return c.type == kPointCloud2
                ? lidars.count(c.topic) != 0
                : (c.type == kImage || c.type == kCompressedImage) && cameras.count(c.topic) != 0;
   };
-  bag_.read(is_asked, [&](const BagChannel& channel, std::uint64_t, std::string_view data) {
+  bag_.read(is_requested, [&](const BagChannel& channel, std::uint64_t, std::string_view data) {
     ++damaged_[channel.topic].of;
     if (channel.type == kPointCloud2) {
       add_cloud(channel, data, lidars.at(channel.topic), fields);
@@ -118,10 +118,11 @@ void FrameWriter::add_cloud(const BagChannel& channel,
     sweep = grid_points(measured(points, lidar, file_, channel.topic), lidar.model, report_.points);
   });
   if (!is || !sweep) return;
-  LogMaker(log_, {}, 0).add_sweep(lidar.model.name,
-                                  fmt::format("{}_{:06d}", lidar.model.name, report_.sweeps++),
-                                  *sweep,
-                                  {start_s, end_s});
+  LogMaker(log_, {}, 0)
+      .add_sweep(lidar.model.name,
+                 fmt::format("{}_{:06d}", lidar.model.name, report_.sweeps++),
+                 *sweep,
+                 {start_s, end_s});
 }
 
 void FrameWriter::add_picture(const BagChannel& channel,

@@ -308,16 +308,16 @@ RecordedLidar fit_recorded(const Ros2Lidar& as_asked,
                            Stamp stamp,
                            const std::string& file,
                            const std::string& where) {
-  Ros2Lidar asked = as_asked;
+  Ros2Lidar requested = as_asked;
   const Rings rings = sampled(sweeps);
   std::vector<Eigen::Vector3d> places;
   for (const auto& sweep : sweeps) {
     for (const CloudPoint& point : sweep) places.push_back(point.position);
   }
-  const double offset = unit_offset(asked.table, places);
+  const double offset = unit_offset(requested.table, places);
   std::vector<std::string> notes;
-  if (offset != 0.0) notes.push_back(raise_beams(asked.table, offset));
-  Fit fit(asked.table, file, where);
+  if (offset != 0.0) notes.push_back(raise_beams(requested.table, offset));
+  Fit fit(requested.table, file, where);
   fit.out.notes = std::move(notes);
   if (rings.empty()) fit.refuse("points", "none in the first sweeps", "some");
   const bool has_rings = rings.begin()->first >= 0;
@@ -326,7 +326,7 @@ RecordedLidar fit_recorded(const Ros2Lidar& as_asked,
     fit.rows(rings);
   else
     fit.rows(places);
-  RecordedRevolution turn = find_turn(asked, sweeps, fit.out.row_of, apart_s, file, where);
+  RecordedRevolution turn = find_turn(requested, sweeps, fit.out.row_of, apart_s, file, where);
   fit.out.model = std::move(turn.model);
   std::move(turn.notes.begin(), turn.notes.end(), std::back_inserter(fit.out.notes));
   fit.start(sweeps, stamp);

@@ -28,7 +28,7 @@ struct RecordedLidar {
 /// assigned to beams by the elevation of their points, in any order. Throws Error{kInput} naming `file` and
 /// `where` for rings on no beam, or two on one; the errors of find_turn(); and, for points without times, a
 /// stamp of kUnknown.
-[[nodiscard]] RecordedLidar fit_recorded(const Ros2Lidar& asked,
+[[nodiscard]] RecordedLidar fit_recorded(const Ros2Lidar& requested,
                                          const std::vector<std::vector<CloudPoint>>& sweeps,
                                          double apart_s,
                                          Stamp stamp,

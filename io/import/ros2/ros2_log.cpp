@@ -167,9 +167,9 @@ class Importer {
 
   /// Returns rig_from_sensor of a camera or a LiDAR.
   Pose mount_of(const std::string& topic, const std::string& frame, bool is_camera) const {
-    const auto asked = options_.mounts.find(topic);
-    if (asked != options_.mounts.end())
-      return is_camera ? asked->second.rig_from_camera() : asked->second.rig_from_lidar();
+    const auto requested = options_.mounts.find(topic);
+    if (requested != options_.mounts.end())
+      return is_camera ? requested->second.rig_from_camera() : requested->second.rig_from_lidar();
     return fixed(options_.rig_frame, frame, topic);
   }
 
@@ -210,33 +210,33 @@ class Importer {
                         "--lidar TOPIC=SENSOR for those that are wanted (simuli info sensors; simuli fit "
                         "beams), or --no-lidars");
     }
-    for (const Ros2Lidar& asked : options_.lidars) {
-      const auto found = scan_.clouds.find(asked.topic);
+    for (const Ros2Lidar& requested : options_.lidars) {
+      const auto found = scan_.clouds.find(requested.topic);
       if (found == scan_.clouds.end()) {
-        need_sound(asked.topic);
-        refuse_option("--lidar", asked.topic, "a topic of clouds: " + names(scan_.clouds));
+        need_sound(requested.topic);
+        refuse_option("--lidar", requested.topic, "a topic of clouds: " + names(scan_.clouds));
       }
       const SensorTopic& topic = found->second;
       if (!topic.fields && !topic.unreadable.empty()) throw Error(ErrorKind::kInput, topic.unreadable);
-      const std::string& frame = asked.frame.empty() ? topic.frame_id : asked.frame;
-      const Pose table_from_cloud = fixed(frame, topic.frame_id, asked.topic);
+      const std::string& frame = requested.frame.empty() ? topic.frame_id : requested.frame;
+      const Pose table_from_cloud = fixed(frame, topic.frame_id, requested.topic);
       std::vector<std::vector<CloudPoint>> sweeps = topic.first_sweeps;
       for (std::vector<CloudPoint>& sweep : sweeps) {
         for (CloudPoint& point : sweep) point.position = table_from_cloud * point.position;
       }
-      RecordedLidar lidar = fit_recorded(asked, sweeps, apart_s(topic), stamp, file_, asked.topic);
+      RecordedLidar lidar = fit_recorded(requested, sweeps, apart_s(topic), stamp, file_, requested.topic);
       lidar.table_from_cloud = table_from_cloud;
-      lidar.model.name = name_of_topic(asked.topic);
-      log_.lidars.push_back({lidar.model, mount_of(asked.topic, frame, false)});
+      lidar.model.name = name_of_topic(requested.topic);
+      log_.lidars.push_back({lidar.model, mount_of(requested.topic, frame, false)});
       std::string text = fmt::format("LiDAR {}: {}, {:.4g} Hz; {}",
                                      lidar.model.name,
-                                     asked.topic,
+                                     requested.topic,
                                      1.0 / lidar.model.sweep_s,
-                                     topic.fields->told());
+                                     topic.fields->reported());
       for (const std::string& more : lidar.notes) text += "; " + more;
       note(text);
-      if (!lidars_.emplace(asked.topic, std::move(lidar)).second)
-        refuse_option("--lidar", asked.topic, "each topic once");
+      if (!lidars_.emplace(requested.topic, std::move(lidar)).second)
+        refuse_option("--lidar", requested.topic, "each topic once");
     }
     for (const auto& [topic, unused] : scan_.clouds) {
       if (lidars_.count(topic) == 0) note("left out: " + topic + ", no --lidar names it");
@@ -277,11 +277,12 @@ class Importer {
     for (const auto& [topic, pictures] : scan_.pictures) {
       const auto lens = options_.lenses.find(topic);
       const bool has_lens = lens != options_.lenses.end();
-      const bool is_asked = has_lens || std::find(options_.cameras.begin(), options_.cameras.end(), topic) !=
-                                            options_.cameras.end();
-      if (!options_.cameras.empty() && !is_asked) continue;
+      const bool is_requested =
+          has_lens ||
+          std::find(options_.cameras.begin(), options_.cameras.end(), topic) != options_.cameras.end();
+      if (!options_.cameras.empty() && !is_requested) continue;
       if (!pictures.unreadable.empty()) {
-        if (is_asked)
+        if (is_requested)
           throw_input_error(file_, topic, pictures.unreadable, "colours: JPEG, PNG, WebP, rgb8 ...");
         note("left out: " + topic + ", " + pictures.unreadable);
         continue;
@@ -289,21 +290,21 @@ class Importer {
       const auto info = scan_.infos.find(folder_of(topic) + "/camera_info");
       if (info == scan_.infos.end() && !has_lens) {
         const std::string lacks = "no " + folder_of(topic) + "/camera_info";
-        if (is_asked)
+        if (is_requested)
           throw_input_error(file_, topic, lacks, "a CameraInfo topic beside it, or --camera TOPIC=FILE");
         note("left out: " + topic + ", " + lacks);
         continue;
       }
       if (!has_lens && scan_.changing.count(info->first) != 0) {
         const std::string found = "a calibration that changes";
-        if (is_asked)
+        if (is_requested)
           throw_input_error(file_, info->first, found, "one for the whole drive, or --camera TOPIC=FILE");
         note("left out: " + topic + ", " + info->first + " has " + found);
         continue;
       }
       const auto [same, is_first] = taken.emplace(folder_of(topic), topic);
       if (!is_first) {
-        if (is_asked)
+        if (is_requested)
           refuse_option("--cameras", topic, "one topic of a camera; " + same->second + " is of the same");
         note("left out: " + topic + ", of the same camera as " + same->second);
         continue;
@@ -324,7 +325,7 @@ class Importer {
           camera = camera_of(message, name_of_topic(topic), file_, info->first);
         }
       } catch (const Error& error) {
-        if (is_asked) throw;
+        if (is_requested) throw;
         note(fmt::format("left out: {}: {}", topic, error.what()));
         continue;
       }

@@ -34,23 +34,26 @@ bool is_near(double a, double b, double share) { return std::abs(a - b) <= share
 
 class RevolutionFinder {
  public:
-  RevolutionFinder(const Ros2Lidar& asked, double apart_s, const std::string& file, const std::string& where)
-      : asked_(asked), apart_s_(apart_s), file_(file), where_(where), modes_(asked.modes) {
-    if (modes_.empty()) modes_ = {{1.0 / asked.table.sweep_s, asked.table.columns}};
+  RevolutionFinder(const Ros2Lidar& requested,
+                   double apart_s,
+                   const std::string& file,
+                   const std::string& where)
+      : requested_(requested), apart_s_(apart_s), file_(file), where_(where), modes_(requested.modes) {
+    if (modes_.empty()) modes_ = {{1.0 / requested.table.sweep_s, requested.table.columns}};
   }
 
   RecordedRevolution found(const std::vector<std::vector<CloudPoint>>& sweeps,
                            const std::vector<int>& row_of) {
     read(sweeps, row_of);
-    const double steps = columns_by_steps(runs_, asked_.table.azimuth_span);
+    const double steps = columns_by_steps(runs_, requested_.table.azimuth_span);
     // The times of an oscillating LiDAR do not determine a revolution.
-    const bool turns = std::abs(asked_.table.azimuth_span - kTurn) < 1e-6;
+    const bool turns = std::abs(requested_.table.azimuth_span - kTurn) < 1e-6;
     const bool has_times =
         turns && std::any_of(fired_.begin(), fired_.end(), [](const auto& sweep) { return !sweep.empty(); });
     const double revolution_s = has_times ? by_times() : by_modes(steps);
     print_lost(revolution_s);
     const LidarMode mode = mode_of(revolution_s, steps);
-    RecordedRevolution out{asked_.table, {}, {}};
+    RecordedRevolution out{requested_.table, {}, {}};
     const bool is_other =
         mode.columns != out.model.columns || !is_near(out.model.sweep_s, revolution_s, kSameRate);
     if (is_other) {
@@ -58,8 +61,8 @@ class RevolutionFinder {
       notes_.push_back(fmt::format("{} columns at {:.4g} Hz, not {} at {:.4g}, by the points",
                                    mode.columns,
                                    1.0 / revolution_s,
-                                   asked_.table.columns,
-                                   1.0 / asked_.table.sweep_s));
+                                   requested_.table.columns,
+                                   1.0 / requested_.table.sweep_s));
     }
     out.model.sweep_s = revolution_s;
     out.notes = std::move(notes_);
@@ -75,7 +78,7 @@ class RevolutionFinder {
   }
 
   void read(const std::vector<std::vector<CloudPoint>>& sweeps, const std::vector<int>& row_of) {
-    const Lidar& table = asked_.table;
+    const Lidar& table = requested_.table;
     const std::vector<double> tolerances = row_tolerances(table);
     for (const auto& sweep : sweeps) {
       std::vector<FiredRun> rows(table.rows.size());
@@ -141,14 +144,14 @@ class RevolutionFinder {
   }
 
   double by_times() const {
-    if (!(longest_s_ > 0.0)) return apart_s_ > 0.0 ? apart_s_ : asked_.table.sweep_s;
+    if (!(longest_s_ > 0.0)) return apart_s_ > 0.0 ? apart_s_ : requested_.table.sweep_s;
     const double free_s = best_turn(), best = coherence(free_s);
     constexpr double kLeastCoherent = 0.9;
     if (best < kLeastCoherent) {
       refuse("points' times",
              "such that fit no turn",
              fmt::format("one turn in {:.4f} s, or a part of it: {}",
-                         apart_s_ > 0.0 ? apart_s_ : asked_.table.sweep_s,
+                         apart_s_ > 0.0 ? apart_s_ : requested_.table.sweep_s,
                          kUnit));
     }
     constexpr double kNoise = 2e-3;  // of a full revolution; 3 % of its duration
@@ -166,7 +169,7 @@ class RevolutionFinder {
       }
       for (double lost = 2.0; apart_s_ / lost >= kShortest_s; ++lost) tried.push_back(apart_s_ / lost);
     } else {
-      tried.push_back(asked_.table.sweep_s);
+      tried.push_back(requested_.table.sweep_s);
     }
     for (const LidarMode& mode : modes_) tried.push_back(1.0 / mode.spin_hz);
     tried.push_back(free_s);
@@ -190,7 +193,7 @@ class RevolutionFinder {
       // In evenly thinned clouds only some modes' columns continue through the revolution.
       constexpr double kOnGrid = 0.9;
       keep([&](const LidarMode& m) {
-        return fit_of_step(runs_, asked_.table.azimuth_span / m.columns) > kOnGrid;
+        return fit_of_step(runs_, requested_.table.azimuth_span / m.columns) > kOnGrid;
       });
     }
     keep([](const LidarMode&) { return true; });
@@ -222,13 +225,14 @@ class RevolutionFinder {
       return is_near(1.0 / m.spin_hz, revolution_s, kSameRate);
     });
     const bool was_listed = !at_rate.empty();
-    if (!was_listed && asked_.is_mode_given) {
+    if (!was_listed && requested_.is_mode_given) {
       std::string rates;
       for (const LidarMode& mode : modes_)
         rates += fmt::format("{}{:.4g}", rates.empty() ? "" : ", ", 1.0 / mode.spin_hz);
-      refuse("turn",
-             fmt::format("{:.4g} s", revolution_s),
-             fmt::format("{} s, as {} has: without a mode the import finds it", rates, asked_.table.name));
+      refuse(
+          "turn",
+          fmt::format("{:.4g} s", revolution_s),
+          fmt::format("{} s, as {} has: without a mode the import finds it", rates, requested_.table.name));
     }
     if (!was_listed) {  // equal firing rate, if all modes have the same
       const double rate = modes_.front().spin_hz * modes_.front().columns;
@@ -236,19 +240,19 @@ class RevolutionFinder {
           modes_.size() > 1 && std::all_of(modes_.begin(), modes_.end(), [&](const auto& m) {
             return is_near(m.spin_hz * m.columns, rate, kSameTurn);
           });
-      const double columns = is_steady ? rate / hz : asked_.table.columns;
+      const double columns = is_steady ? rate / hz : requested_.table.columns;
       at_rate = {{hz, std::max(1, static_cast<int>(std::lround(columns)))}};
     }
     if (!(steps > 0.0)) return {hz, at_rate.front().columns};
     for (const LidarMode& mode : at_rate) {
       if (is_near(steps, mode.columns, kSameColumns)) return {hz, mode.columns};
     }
-    if (asked_.is_mode_given && steps * kThinned > at_rate.front().columns) {
+    if (requested_.is_mode_given && steps * kThinned > at_rate.front().columns) {
       refuse("columns",
              fmt::format("points {:.4g} a turn apart", std::round(steps)),
              fmt::format("{}, as {} has: without a mode the import finds it",
                          at_rate.front().columns,
-                         asked_.table.name));
+                         requested_.table.name));
     }
     if (steps * kThinned < at_rate.front().columns || steps > kThinned * at_rate.front().columns) {
       notes_.push_back(fmt::format(
@@ -261,7 +265,7 @@ class RevolutionFinder {
     return {hz, static_cast<int>(std::lround(steps))};
   }
 
-  const Ros2Lidar& asked_;
+  const Ros2Lidar& requested_;
   double apart_s_;
   const std::string& file_;
   const std::string& where_;
@@ -274,13 +278,13 @@ class RevolutionFinder {
 
 }  // namespace
 
-RecordedRevolution find_turn(const Ros2Lidar& asked,
+RecordedRevolution find_turn(const Ros2Lidar& requested,
                              const std::vector<std::vector<CloudPoint>>& sweeps,
                              const std::vector<int>& row_of,
                              double apart_s,
                              const std::string& file,
                              const std::string& where) {
-  return RevolutionFinder(asked, apart_s, file, where).found(sweeps, row_of);
+  return RevolutionFinder(requested, apart_s, file, where).found(sweeps, row_of);
 }
 
 }  // namespace simuli::ros2

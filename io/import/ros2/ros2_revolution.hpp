@@ -20,7 +20,7 @@ struct RecordedRevolution {
 /// Analyses points of some sweeps in the table's frame, on the beams that `row_of` assigns to their rings
 /// (empty: the nearest beams). `apart_s`: distance of messages; 0: unknown. Throws Error{kInput} naming `file`
 /// and `where` for times that fit no revolution, and for a rate or columns other than the requested mode's.
-[[nodiscard]] RecordedRevolution find_turn(const Ros2Lidar& asked,
+[[nodiscard]] RecordedRevolution find_turn(const Ros2Lidar& requested,
                                            const std::vector<std::vector<CloudPoint>>& sweeps,
                                            const std::vector<int>& row_of,
                                            double apart_s,

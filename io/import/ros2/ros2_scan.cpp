@@ -106,10 +106,11 @@ class Scanner {
     const Header header = read_header_of(in);
     SensorTopic& topic = scan.clouds[channel.topic];
     take_stamp(topic, channel, header);
-    const bool is_asked = std::any_of(options_.lidars.begin(),
-                                      options_.lidars.end(),
-                                      [&](const Ros2Lidar& lidar) { return lidar.topic == channel.topic; });
-    if (!is_asked || topic.first_sweeps.size() >= kFirstSweeps) return;
+    const bool is_requested =
+        std::any_of(options_.lidars.begin(), options_.lidars.end(), [&](const Ros2Lidar& lidar) {
+          return lidar.topic == channel.topic;
+        });
+    if (!is_requested || topic.first_sweeps.size() >= kFirstSweeps) return;
     try {
       const PointCloudMessage cloud = read_point_cloud(in);
       // For each message, because layouts may differ.

@@ -18,8 +18,8 @@ Program program(const Device& device, Precision precision, std::uint32_t neighbo
   return {device, "paper/anchor.cl", options};
 }
 
-std::size_t work_items_of(const Device& device, std::size_t asked) {
-  if (asked != 0) return asked;
+std::size_t work_items_of(const Device& device, std::size_t requested) {
+  if (requested != 0) return requested;
   return device.info().is_cpu ? 1 : std::size_t{kWidth};
 }
 

@@ -17,7 +17,7 @@ class OneRank final : public Ranks {
   }
 };
 
-std::vector<bool> told(Ranks& ranks, bool own) {
+std::vector<bool> reported(Ranks& ranks, bool own) {
   const std::byte byte{static_cast<unsigned char>(own ? 1 : 0)};
   std::vector<bool> out;
   for (const Ranks::Message bytes : ranks.all_gather({&byte, 1}))
@@ -41,11 +41,11 @@ std::vector<RankField> fields_in(Ranks::Message bytes) {
 
 bool Ranks::any(bool own) {
   if (size() == 1) return own;
-  const std::vector<bool> all = told(*this, own);
+  const std::vector<bool> all = reported(*this, own);
   return std::find(all.begin(), all.end(), true) != all.end();
 }
 
-bool Ranks::first(bool own) { return size() == 1 ? own : told(*this, own).front(); }
+bool Ranks::first(bool own) { return size() == 1 ? own : reported(*this, own).front(); }
 
 void Ranks::wait_for_all() { static_cast<void>(any(false)); }
 

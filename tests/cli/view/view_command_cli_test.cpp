@@ -25,7 +25,7 @@ TEST_F(ViewCli, AViewAsACommandMakesThatPicture) {
   view["moved"] = {{"car_2", {-1.0, 0.5, 0.0}}};
   view["turned_deg"] = {{"car_2", 30.0}};
   view["retimed"] = {{"car_2", {0.75, 0.1}}};
-  const auto told = [&] {
+  const auto reported = [&] {
     const httplib::Result result = client_->Post("/api/command", view.dump(), "application/json");
     EXPECT_EQ(result->status, 200) << result->body;
     return json::parse(result->body).at("command").get<std::string>();
@@ -37,13 +37,13 @@ TEST_F(ViewCli, AViewAsACommandMakesThatPicture) {
     const Outcome outcome = run(command.substr(program.size()));
     EXPECT_EQ(outcome.exit_code, 0) << command << '\n' << outcome.err;
   };
-  run_told(told());
+  run_told(reported());
   EXPECT_EQ(simuli::read_file(folder_ / "view" / "front_000000.png"), post("/api/picture", view).payload)
-      << told();
+      << reported();
   view["layer"] = "unseen";
-  run_told(told());
+  run_told(reported());
   EXPECT_EQ(simuli::read_file(folder_ / "view" / "front_000000.png"), post("/api/picture", view).payload)
-      << told();
+      << reported();
   // From elsewhere, and another layer beside the picture.
   view["layer"] = "colour";
   view["up_m"] = 0.5;
@@ -61,14 +61,14 @@ TEST_F(ViewCli, AViewAsACommandMakesThatPicture) {
       most = std::max(most, std::abs(run.data[i] - shown.data[i]) * 1.0);
     EXPECT_LE(most, 2.5 / 255.0) << "angles of the mounting are rounded";
   };
-  run_told(told());
+  run_told(reported());
   expect_shown("front_000000.png");
   view["layer"] = "depth";
-  run_told(told());
-  EXPECT_TRUE(fs::exists(folder_ / "view" / "front_000000_distance.exr")) << told();
+  run_told(reported());
+  EXPECT_TRUE(fs::exists(folder_ / "view" / "front_000000_distance.exr")) << reported();
   // Of another LiDAR.
   view["sensor"] = "velodyne_vlp16";
-  run_told(told());
+  run_told(reported());
   EXPECT_TRUE(fs::exists(folder_ / "view" / "velodyne_vlp16_000000.ply"));
   const auto refused = [&](const char* key, const json& value, const char* part) {
     json other = view_of("front");
@@ -84,7 +84,7 @@ TEST_F(ViewCli, AViewAsACommandMakesThatPicture) {
   view["lossless"] = true;
   view["scene_from_camera"] = {{"t", {0, 0, 10}}, {"q", {0.5, -0.5, 0.5, -0.5}}};
   view["height"] = 100;
-  const std::string both = told(), between = " && ";
+  const std::string both = reported(), between = " && ";
   const std::size_t second = both.find(between);
   ASSERT_NE(second, std::string::npos) << both;
   ASSERT_EQ(run_line("{ " + both.substr(0, second) + "; }").exit_code, 0) << both;

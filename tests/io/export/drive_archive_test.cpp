@@ -83,9 +83,9 @@ SceneFile small_drive() {
 
 TEST(DriveArchive, TellsWhatTheRuntimeReads) {
   const Scratch scratch;
-  const DriveArchive told = write_drive_archive(scratch / "a.usdz", small_drive(), "drive");
-  EXPECT_EQ(told.actors, 2U);
-  EXPECT_EQ(told.cameras_without_model, 0U);
+  const DriveArchive reported = write_drive_archive(scratch / "a.usdz", small_drive(), "drive");
+  EXPECT_EQ(reported.actors, 2U);
+  EXPECT_EQ(reported.cameras_without_model, 0U);
   const std::string zip = read_file(scratch / "a.usdz");
   EXPECT_EQ(zip.substr(30, 11), "splats.usda");  // readers of USD need a layer first
   const auto files = files_of(zip);
@@ -146,7 +146,7 @@ TEST(DriveArchive, TellsWhatTheRuntimeReads) {
 
   const Json info = Json::parse(files.at("data_info.json"));
   EXPECT_EQ(info.at("pose-range").at("end-timestamp_us"), 2000000);
-  EXPECT_EQ(told.ground_triangles, 2U * 19U * 19U);
+  EXPECT_EQ(reported.ground_triangles, 2U * 19U * 19U);
   const std::string& mesh = files.at("mesh_ground.ply");
   EXPECT_EQ(files.at("mesh.ply"), mesh);
   EXPECT_NE(mesh.find("element vertex 400\n"), std::string::npos);

@@ -123,11 +123,11 @@ TEST(CameraMask, IsPartOfTheLog) {
   copy_log(read, scratch / "again");
   EXPECT_EQ(hidden_rows(*read_log(scratch / "again").hidden.at("front"), 8, 6), 4);
 
-  const auto refused = [&](const LogMask& mask, const std::vector<std::string>& told) {
+  const auto refused = [&](const LogMask& mask, const std::vector<std::string>& reported) {
     Log wrong = read;
     wrong.masks = {mask};
     write_log(wrong);
-    expect_input_error([&] { (void)read_log(scratch / "masked"); }, told);
+    expect_input_error([&] { (void)read_log(scratch / "masked"); }, reported);
   };
   refused({"rear", "masks/front/hood.png"}, {"masks[0].camera", "rear"});
   refused({"front", "../hood.png"}, {"masks[0].file", "../hood.png"});

@@ -261,7 +261,7 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
   options.odometry = "/odom";
   Ros2Report report;
   expect_same_sweeps(log, imported(options, report));
-  const std::string told = fmt::format("{}", fmt::join(report.notes, "\n"));
+  const std::string reported = fmt::format("{}", fmt::join(report.notes, "\n"));
   for (const char* word : {"3 transforms",
                            "tag has several parents",
                            "/radar, no --lidar",
@@ -270,7 +270,7 @@ TEST(Ros2Log, WhatNobodyAskedForEndsNothing) {
                            "left out: 1 messages of /broken/tf2_msgs/msg/TFMessage: ",
                            "left out: /loose/image_raw: ",
                            "--mount /loose/image_raw"})
-    EXPECT_NE(told.find(word), std::string::npos) << word << " is missing in: " << told;
+    EXPECT_NE(reported.find(word), std::string::npos) << word << " is missing in: " << reported;
 
   // A survey reports the same and writes no files.
   options.output.clear();
@@ -330,10 +330,10 @@ TEST(Ros2Log, TheRigStandsUprightInTheWorld) {
     Ros2Report report;
     const Log back = import_ros2(options, {}, report);
     const Eigen::Vector3d up = back.world_from_rig.poses().front().pose.rotation * Eigen::Vector3d::UnitZ();
-    const std::string told = fmt::format("{}", fmt::join(report.notes, "\n"));
-    EXPECT_EQ(up.z() > 0.999, is_levelled) << told;
-    EXPECT_EQ(told.find("base_link stands upright then") != std::string::npos, is_levelled) << told;
-    EXPECT_EQ(told.find("base_link leans by ") != std::string::npos, !is_levelled) << told;
+    const std::string reported = fmt::format("{}", fmt::join(report.notes, "\n"));
+    EXPECT_EQ(up.z() > 0.999, is_levelled) << reported;
+    EXPECT_EQ(reported.find("base_link stands upright then") != std::string::npos, is_levelled) << reported;
+    EXPECT_EQ(reported.find("base_link leans by ") != std::string::npos, !is_levelled) << reported;
   }
 }
 

@@ -213,11 +213,11 @@ TEST(Ros2Pictures, DepthAndDamageAreLeftOut) {
   options.mounts["/front/image_raw"] = {};
   Ros2Report report;
   EXPECT_EQ(imported(options, report).images.size(), 1U);
-  const std::string told = fmt::format("{}", fmt::join(report.notes, "\n"));
+  const std::string reported = fmt::format("{}", fmt::join(report.notes, "\n"));
   for (const char* word : {"left out: 1 of 2 messages of /front/image_raw: ",
                            "left out: /depth/image_raw, pictures of encoding \"16UC1\"",
                            "left out: /packed/compressed, pictures of format \"h264\""})
-    EXPECT_NE(told.find(word), std::string::npos) << word << " is missing in: " << told;
+    EXPECT_NE(reported.find(word), std::string::npos) << word << " is missing in: " << reported;
   // A requested camera without a valid model is an error, and so is a recording without any valid sensor.
   options.output = scratch / "b.log";
   options.cameras = {"/depth/image_raw"};

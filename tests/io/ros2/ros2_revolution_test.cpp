@@ -60,9 +60,9 @@ Sweeps sweeps_of(const Drive& drive) {
 /// Returns the LiDAR for `--lidar TOPIC=name`.
 Ros2Lidar asked_for(const std::string& name) {
   const BuiltinLidar sensor = builtin_lidar_with_facts(name);
-  Ros2Lidar asked{"/points", sensor.model, "", sensor.facts.modes, name.find('@') != std::string::npos};
-  if (asked.is_mode_given) asked.modes = {sensor.facts.mode};
-  return asked;
+  Ros2Lidar requested{"/points", sensor.model, "", sensor.facts.modes, name.find('@') != std::string::npos};
+  if (requested.is_mode_given) requested.modes = {sensor.facts.mode};
+  return requested;
 }
 
 ros2::RecordedLidar found(const std::string& table, const Drive& drive, double apart_s) {
@@ -139,10 +139,10 @@ TEST(Ros2Turn, RatesThatNoModeHasAreTaken) {
   drive = {builtin_lidar("hesai_xt16")};
   drive.every = 2;
   EXPECT_EQ(found("hesai_xt16", drive, 0.1).model.columns, 1000);
-  Ros2Lidar asked{"/points", drive.lidar};
+  Ros2Lidar requested{"/points", drive.lidar};
   drive = {in_mode(drive.lidar, {20.0, 1000})};
   const auto lidar =
-      ros2::fit_recorded(asked, sweeps_of(drive), 0.05, ros2::Stamp::kUnknown, "drive.mcap", "/points");
+      ros2::fit_recorded(requested, sweeps_of(drive), 0.05, ros2::Stamp::kUnknown, "drive.mcap", "/points");
   EXPECT_EQ(lidar.model.columns, 1000);
   EXPECT_NEAR(lidar.model.sweep_s, 0.05, 1e-4);
 }
@@ -169,15 +169,15 @@ TEST(Ros2Turn, RowsThatFireLessOftenAreFound) {
       drive.lidar.rows.erase(drive.lidar.rows.begin() + 100, drive.lidar.rows.end());
       drive.lidar.rows.erase(drive.lidar.rows.begin(), drive.lidar.rows.begin() + 50);
       drive.sector = 0.3;
-      Ros2Lidar asked = asked_for(name);
-      asked.table = drive.lidar;
+      Ros2Lidar requested = asked_for(name);
+      requested.table = drive.lidar;
       // Without a pattern, and with a start half a column from the firings.
       if (!is_in_table) {
-        for (LidarRow& row : asked.table.rows) row.every = 1, row.first = 0;
-        asked.table.azimuth_first += 0.4 * kTurn / asked.table.columns;
+        for (LidarRow& row : requested.table.rows) row.every = 1, row.first = 0;
+        requested.table.azimuth_first += 0.4 * kTurn / requested.table.columns;
       }
       const ros2::RecordedLidar lidar = ros2::fit_recorded(
-          asked, sweeps_of(drive), drive.lidar.sweep_s, ros2::Stamp::kStart, "drive.mcap", "/points");
+          requested, sweeps_of(drive), drive.lidar.sweep_s, ros2::Stamp::kStart, "drive.mcap", "/points");
       EXPECT_EQ(lidar.model.columns, drive.lidar.columns);
       PointReport report;
       const auto sweep = sweeps_of(drive).front();
@@ -197,12 +197,12 @@ TEST(Ros2Turn, RowsThatFireLessOftenAreFound) {
   Drive coarse{builtin_lidar("hesai_ot128")};
   coarse.lidar.rows.resize(50);
   coarse.sector = 0.3;
-  Ros2Lidar asked = asked_for("hesai_ot128");
-  asked.table = coarse.lidar;
+  Ros2Lidar requested = asked_for("hesai_ot128");
+  requested.table = coarse.lidar;
   for (LidarRow& row : coarse.lidar.rows) row.every = 1, row.first = 0;
   coarse.lidar.columns /= 2;
   const ros2::RecordedLidar lidar = ros2::fit_recorded(
-      asked, sweeps_of(coarse), coarse.lidar.sweep_s, ros2::Stamp::kStart, "drive.mcap", "/points");
+      requested, sweeps_of(coarse), coarse.lidar.sweep_s, ros2::Stamp::kStart, "drive.mcap", "/points");
   EXPECT_EQ(lidar.model.columns, coarse.lidar.columns);
   for (const LidarRow& row : lidar.model.rows) EXPECT_EQ(row.every, 1);
 
@@ -258,8 +258,8 @@ TEST(Ros2Turn, AnotherUnitIsTaken) {
 
 TEST(Ros2Turn, WhatContradictsTheNamedModeIsRefused) {
   const auto refused =
-      [](const char* asked, const Drive& drive, double apart_s, std::vector<std::string> words) {
-        test::expect_input_error([&] { (void)found(asked, drive, apart_s); }, words);
+      [](const char* requested, const Drive& drive, double apart_s, std::vector<std::string> words) {
+        test::expect_input_error([&] { (void)found(requested, drive, apart_s); }, words);
       };
   refused("velodyne_vlp16@10",
           {builtin_lidar("velodyne_vlp16@20")},
@@ -286,11 +286,11 @@ TEST(Ros2Turn, RowsThatNeverReturnAreAnotherTable) {
   for (auto& sweep : second) std::erase_if(sweep, [](const ros2::CloudPoint& p) { return p.ring % 2 != 0; });
   Drive part{builtin_lidar("hesai_xt32")};
   part.lidar.rows.resize(20);
-  for (const auto& [sweeps, told] : {std::pair(second, "16 of 32 rows return nothing"),
-                                     std::pair(sweeps_of(part), "12 of 32 rows return nothing")}) {
+  for (const auto& [sweeps, reported] : {std::pair(second, "16 of 32 rows return nothing"),
+                                         std::pair(sweeps_of(part), "12 of 32 rows return nothing")}) {
     const ros2::RecordedLidar lidar = ros2::fit_recorded(
         asked_for("hesai_xt32"), sweeps, 0.1, ros2::Stamp::kStart, "drive.mcap", "/points");
-    EXPECT_NE(fmt::format("{}", fmt::join(lidar.notes, "\n")).find(told), std::string::npos);
+    EXPECT_NE(fmt::format("{}", fmt::join(lidar.notes, "\n")).find(reported), std::string::npos);
   }
 }
 

@@ -52,12 +52,13 @@ TEST(RunFixer, WhatAProgramCopiesComesBack) {
 }
 
 TEST(RunFixer, IsToldOfItsViewsAndLeavesNoFolderBehind) {
-  const fs::path told = fs::path(testing::TempDir()) / "fixer_was_told";
-  (void)run_fixer("keep() { cp \"$1/views.json\" " + told.string() + "; echo \"$1\" >> " + told.string() +
+  const fs::path reported = fs::path(testing::TempDir()) / "fixer_was_told";
+  (void)run_fixer("keep() { cp \"$1/views.json\" " + reported.string() + "; echo \"$1\" >> " +
+                      reported.string() +
                       "; for b in 000000 000001; do cp \"$1/$b.png\" \"$2/\"; done; }; keep",
                   two_views(),
                   7);
-  std::ifstream in(told);
+  std::ifstream in(reported);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   for (const char* word :
        {"\"simuli fixer\"", "\"iteration\": 7", "000001_support.png", "world_from_camera", "fx_px"})
@@ -65,7 +66,7 @@ TEST(RunFixer, IsToldOfItsViewsAndLeavesNoFolderBehind) {
   std::string folder = text.substr(text.find_last_of('}') + 2);
   folder.pop_back();
   EXPECT_FALSE(fs::exists(folder)) << folder;
-  fs::remove(told);
+  fs::remove(reported);
 }
 
 TEST(RunFixer, ProgramsThatFailAreOneLine) {
@@ -102,17 +103,17 @@ TEST(RunFixer, WhatAProgramPrintsIsNoData) {
 }
 
 TEST(RunFixer, AnInterruptionEndsAllThatItStarted) {
-  const fs::path told = fs::path(testing::TempDir()) / "fixer_interrupted";
+  const fs::path reported = fs::path(testing::TempDir()) / "fixer_interrupted";
   const auto text = [&] {
-    std::ifstream in(told);
+    std::ifstream in(reported);
     return std::string{std::istreambuf_iterator<char>(in), {}};
   };
-  fs::remove(told);
+  fs::remove(reported);
   const std::function<void()> check = [&] {
     if (text().ends_with('\n')) throw std::runtime_error("interrupted");
   };
   const Interruption interruption(check);
-  const std::string command = "sleep 300 & echo $! > " + told.string() + "; wait;";
+  const std::string command = "sleep 300 & echo $! > " + reported.string() + "; wait;";
   EXPECT_THROW((void)run_fixer(command, two_views(), 0), std::runtime_error);
   // The sleep has received the signal; on a busy machine it ends later.
   const auto is_gone = [stat = "/proc/" + std::to_string(std::stoi(text())) + "/stat"] {
@@ -124,7 +125,7 @@ TEST(RunFixer, AnInterruptionEndsAllThatItStarted) {
   for (int i = 0; i < kMostLooks && !is_gone(); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_TRUE(is_gone());
-  fs::remove(told);
+  fs::remove(reported);
 }
 
 TEST(RunFixer, PicturesOfAnotherSizeAreRefused) {

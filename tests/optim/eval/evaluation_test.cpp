@@ -126,7 +126,7 @@ TEST_F(EvaluationTest, FramesAreThoseThatTrainingHeldOut) {
   const EvalFrames frames = select_eval_frames(log_, scene);
   EXPECT_EQ(frames.kind, FrameKind::kHeldOut);
   EXPECT_EQ(frames.label(), "held-out frames");
-  EXPECT_EQ(frames.asked.image_scale, 0.5);
+  EXPECT_EQ(frames.requested.image_scale, 0.5);
   EXPECT_EQ(frames.images, (std::vector<std::size_t>{2, 5}));
   EXPECT_EQ(frames.sweeps, (std::vector<std::size_t>{2, 5}));
   const EvalReport report = Evaluation(test::device(), scene, log_).run();
@@ -136,9 +136,9 @@ TEST_F(EvaluationTest, FramesAreThoseThatTrainingHeldOut) {
 }
 
 TEST_F(EvaluationTest, NothingIsCalledHeldOutThatWasTrainedOn) {
-  const auto kind = [&](int trained, std::optional<int> asked) {
+  const auto kind = [&](int trained, std::optional<int> requested) {
     const SceneFile scene = trained_on(log_, initial_scene(), {.held_out_every = trained});
-    return select_eval_frames(log_, scene, {.held_out_every = asked});
+    return select_eval_frames(log_, scene, {.held_out_every = requested});
   };
   EXPECT_EQ(kind(0, {}).kind, FrameKind::kTraining);
   EXPECT_EQ(kind(0, {}).label(), "training frames");

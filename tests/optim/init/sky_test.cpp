@@ -78,15 +78,15 @@ Eigen::Matrix3Xd returns(bool of_wall) {
 
 /// Returns the share of this content that is classified as sky.
 double share(const SkyMask& sky, Shown what) {
-  std::size_t all = 0, told = 0;
+  std::size_t all = 0, reported = 0;
   for (int row = 0; row < kHeight; ++row) {
     for (int column = 0; column < kWidth; ++column) {
       if (shown(column, row) != what) continue;
       ++all;
-      told += sky.at(static_cast<std::size_t>(row * kWidth + column)) ? 1U : 0U;
+      reported += sky.at(static_cast<std::size_t>(row * kWidth + column)) ? 1U : 0U;
     }
   }
-  return static_cast<double>(told) / static_cast<double>(all);
+  return static_cast<double>(reported) / static_cast<double>(all);
 }
 
 TEST(FindSky, TellsSkyFromAWallOfItsColourByReturns) {

@@ -108,10 +108,10 @@ TEST_F(AutoTraining, IsTheChainOfItsStages) {
   std::optional<Scene> last;
   for (const int iterations : {100, 120, 144}) {
     o.train.iterations = iterations;
-    Training told(test::device(), log_, o);
-    if (last) told.resume(file);
-    told.run({}, {file, 1000});
-    last = told.scene();
+    Training reported(test::device(), log_, o);
+    if (last) reported.resume(file);
+    reported.run({}, {file, 1000});
+    last = reported.scene();
   }
   expect_same(automatic.scene(), *last);
 }

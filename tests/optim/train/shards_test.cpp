@@ -8,8 +8,8 @@
 #include <limits>
 #include <string>
 
-#include "optim/train/ranks/rank_threads.hpp"
 #include "optim/train/memory.hpp"
+#include "optim/train/ranks/rank_threads.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
 
@@ -106,10 +106,10 @@ TEST_F(ShardsTest, AStepTakesTheMeanOfItsFrames) {
   o.train.lidar.log_scale /= 3.0;  // slow, as in a long training: thirds have rounding errors
   o.train.shards.rate_power = 0.0;
   o.train.densify.epochs = 0.0;
-  o.train.ray_drop.rate = 0.0;  // several steps of the function per sweep
+  o.train.ray_drop.rate = 0.0;                           // several steps of the function per sweep
   o.train.appearance.color_grids = ColorGridsOf::kNone;  // each picture's grid moves once per shard
-  o.train.off_trajectory.weight = 0.0;  // each shard uses another view
-  o.train.depth.weight = 0.0;  // each shard uses another part of the sweep
+  o.train.off_trajectory.weight = 0.0;                   // each shard uses another view
+  o.train.depth.weight = 0.0;                            // each shard uses another part of the sweep
   o.frames.held_out_every = 0;
   const auto scene = [&](int shards) {
     o.train.shards.count = shards;
@@ -160,9 +160,9 @@ TEST_F(ShardsTest, MemoryOfShardsIsTold) {
   (void)trainer.run();
   for (const auto& [name, use] : device.memory_by_name()) {
     if (use.now == 0) continue;
-    const auto told = need.by_buffer.find(name);
-    ASSERT_NE(told, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
-    EXPECT_LE(use.now, 2 * told->second) << name;
+    const auto reported = need.by_buffer.find(name);
+    ASSERT_NE(reported, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
+    EXPECT_LE(use.now, 2 * reported->second) << name;
   }
 }
 

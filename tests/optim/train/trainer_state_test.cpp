@@ -72,9 +72,9 @@ TEST_F(TrainerStateTest, MemoryOfAppearanceIsEstimated) {
   (void)trainer.run();
   for (const auto& [name, use] : device.memory_by_name()) {
     if (use.now == 0) continue;
-    const auto told = need.by_buffer.find(name);
-    ASSERT_NE(told, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
-    EXPECT_LE(use.now, 2 * told->second) << name;
+    const auto reported = need.by_buffer.find(name);
+    ASSERT_NE(reported, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
+    EXPECT_LE(use.now, 2 * reported->second) << name;
   }
   for (const char* item : {"environment", "colour grids"}) {
     EXPECT_TRUE(std::any_of(need.items.begin(), need.items.end(), [&](const MemoryItem& i) {
@@ -98,9 +98,9 @@ TEST_F(TrainerStateTest, MemoryIsEstimatedBeforeAndHoldsAfter) {
     // factor of two of the estimate.
     for (const auto& [name, use] : device.memory_by_name()) {
       if (use.now == 0) continue;
-      const auto told = need.by_buffer.find(name);
-      ASSERT_NE(told, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
-      EXPECT_LE(use.now, 2 * told->second) << name;
+      const auto reported = need.by_buffer.find(name);
+      ASSERT_NE(reported, need.by_buffer.end()) << name << ": " << use.now << " bytes that nobody told";
+      EXPECT_LE(use.now, 2 * reported->second) << name;
     }
   }
   const std::uint64_t used = device.memory().peak - before;

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "host/device/render/options/quality.hpp"
-#include "optim/eval/evaluation.hpp"
 #include "optim/data/sensor_learning.hpp"
+#include "optim/eval/evaluation.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/optim/small_street.hpp"
@@ -104,11 +104,12 @@ TEST_F(TrainingTest, TheSceneSaysHowItWasMade) {
 
 TEST_F(TrainingTest, TheSceneIsDrawnWithTheWidthOfPixelsThatItWasTrainedWith) {
   TrainingOptions o = options(2);
-  for (const double asked : {kOfScene, 0.3}) {
-    o.train.render.camera_filter_px2 = asked;
+  for (const double requested : {kOfScene, 0.3}) {
+    o.train.render.camera_filter_px2 = requested;
     Training training(test::device(), log_, o);
     training.run();
-    EXPECT_EQ(training.result().scene.camera_filter_px2, asked == kOfScene ? kPixelVariance_px2 : asked);
+    EXPECT_EQ(training.result().scene.camera_filter_px2,
+              requested == kOfScene ? kPixelVariance_px2 : requested);
   }
 }
 

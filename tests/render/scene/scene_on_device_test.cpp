@@ -196,7 +196,8 @@ TEST(SceneOnDevice, EditsShowWhatIsThereInsteadOfWhatWasHidden) {
     if (removed) remove_actor(plain, "near");
     return plain;
   };
-  const std::uint32_t behind = disoccluded_number(scene.scene(), 0), instead = inpainted_number(scene.scene(), 0);
+  const std::uint32_t behind = disoccluded_number(scene.scene(), 0),
+                      instead = inpainted_number(scene.scene(), 0);
   const auto expect_near = [](const RayResults& a, const RayResults& b) {
     ASSERT_EQ(a.rays, b.rays);
     for (std::size_t i = 0; i < a.rays; ++i) {
@@ -299,11 +300,11 @@ TEST(SceneOnDevice, QualitiesShareAScene) {
 
 TEST(SceneOnDevice, PixelsAreAsWideAsTheSceneWasTrainedWithUnlessAsked) {
   const Device& device = test::device();
-  const auto with = [&](double of_scene, double asked) {
+  const auto with = [&](double of_scene, double requested) {
     Scene scene = test::two_cars();
     scene.camera_filter_px2 = of_scene;
     RenderOptions options;
-    options.camera_filter_px2 = asked;
+    options.camera_filter_px2 = requested;
     SceneOnDevice on_device(device, std::move(scene), options);
     return on_device.render(test::camera(), shot_of(test::camera(), 0.1)).results();
   };

@@ -67,8 +67,8 @@ void add_view(SupportRecord& record, const Frame& frame, const Pose& world_from_
 struct Expected {
   double odds = 0.0, own_odds = 0.0, at_all = 0.0;
   /// Returns the support of a ray whose end is looked up at `told`.
-  [[nodiscard]] double support(const Expected& told) const {
-    return told.at_all / (1.0 + std::exp(-told.odds - own_odds));
+  [[nodiscard]] double support(const Expected& reported) const {
+    return reported.at_all / (1.0 + std::exp(-reported.odds - own_odds));
   }
 };
 std::vector<Expected> expected(const SupportRecord& record, const Frame& frame, const Scene& scene) {
@@ -213,15 +213,15 @@ void expect_as_sequential(const Sensor& recording, const Sensor& sensor, std::si
       // The second slot of the middle row is looked up, or else the first slot with a ray.
       std::vector<std::size_t> slots(4 * stack);
       std::iota(slots.begin(), slots.end(), run);
-      std::size_t telling = slots[stack / 2 * 4 + 1];
-      for (std::size_t k = 0; k < slots.size() && ray_at(telling) < 0; ++k) telling = slots[k];
-      if (ray_at(telling) < 0) continue;
-      const Expected& told = wanted[static_cast<std::size_t>(ray_at(telling))];
+      std::size_t reporting = slots[stack / 2 * 4 + 1];
+      for (std::size_t k = 0; k < slots.size() && ray_at(reporting) < 0; ++k) reporting = slots[k];
+      if (ray_at(reporting) < 0) continue;
+      const Expected& reported = wanted[static_cast<std::size_t>(ray_at(reporting))];
       std::size_t run_off = 0;
       for (const std::size_t slot : slots) {
         if (ray_at(slot) < 0) continue;
         const auto i = static_cast<std::size_t>(ray_at(slot));
-        const double trusted = wanted[i].support(told);
+        const double trusted = wanted[i].support(reported);
         run_off += std::abs(static_cast<double>(found[i]) - trusted) > tolerance ? 1 : 0;
         known += trusted > 0.01 ? 1 : 0;
         ++compared;

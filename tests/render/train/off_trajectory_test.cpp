@@ -181,7 +181,7 @@ TEST_P(FromBeside, SurfacesHaveTheColoursThatThePictureHasOfThem) {
       show_beside({.count = 400, .scale_min = 0.2, .scale_max = 1.0, .opacity_min = 0.8, .opacity_max = 0.99},
                   picture,
                   {0.15, 0.05, 0.0});
-  std::size_t told = 0, hidden = 0;
+  std::size_t reported = 0, hidden = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
     const Eigen::Vector2d pixel(static_cast<double>(i % kWidth) + 0.5, static_cast<double>(i / kWidth) + 0.5);
     Eigen::Vector2d at(0.0, 0.0);
@@ -197,12 +197,12 @@ TEST_P(FromBeside, SurfacesHaveTheColoursThatThePictureHasOfThem) {
       ++hidden;
       continue;
     }
-    ++told;
+    ++reported;
     EXPECT_NEAR(found[i] * kWidth, inner_x, kSettled_px) << i;
     EXPECT_NEAR(found[pixels + i] * kHeight, inner_y, kSettled_px) << i;
     EXPECT_NEAR(found[2 * pixels + i], 0.25, 1e-6) << i;
   }
-  EXPECT_GT(told, pixels / 20);
+  EXPECT_GT(reported, pixels / 20);
   EXPECT_GT(hidden, pixels / 20);
 }
 
@@ -221,19 +221,19 @@ TEST_P(FromBeside, WhereNothingStandsIsWhatIsSeenThereAtAnyDistance) {
       show_beside({.count = 25, .scale_min = 0.3, .scale_max = 1.0, .opacity_min = 0.97, .opacity_max = 0.99},
                   picture,
                   {1.0, 0.05, 0.0});
-  std::size_t told = 0, not_told = 0;
+  std::size_t reported = 0, not_reported = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
     if (beside.surface_m(i) > 0.0) continue;
     const Eigen::Vector2d pixel(static_cast<double>(i % kWidth) + 0.5, static_cast<double>(i / kWidth) + 0.5);
     bool doubt = false;
     const std::optional<float> wanted = colour_of_all(camera, recorded, beside, red, pixel, i, doubt);
     if (doubt) continue;
-    ++(wanted ? told : not_told);
+    ++(wanted ? reported : not_reported);
     EXPECT_NEAR(found[i], wanted ? static_cast<double>(*wanted) : -1.0, 1e-6) << i;
     EXPECT_NEAR(found[pixels + i], wanted ? 0.5 : -1.0, 1e-6) << i;
   }
-  EXPECT_GT(told, pixels / 20);
-  EXPECT_GT(not_told, pixels / 20);
+  EXPECT_GT(reported, pixels / 20);
+  EXPECT_GT(not_reported, pixels / 20);
 }
 
 INSTANTIATE_TEST_SUITE_P(Of,

@@ -120,6 +120,6 @@ InterruptionPoint::InterruptionPoint(const char* note) {
   ++points;
 }
 InterruptionPoint::~InterruptionPoint() { --points; }
-bool InterruptionPoint::is_asked_for() const { return is_noted; }
+bool InterruptionPoint::is_requested_for() const { return is_noted; }
 
 }  // namespace simuli::cli

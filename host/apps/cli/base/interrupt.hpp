@@ -33,7 +33,7 @@ class InterruptionPoint {
   InterruptionPoint(const InterruptionPoint&) = delete;
   InterruptionPoint& operator=(const InterruptionPoint&) = delete;
   ~InterruptionPoint();
-  [[nodiscard]] bool is_asked_for() const;
+  [[nodiscard]] bool is_requested_for() const;
 };
 
 }  // namespace simuli::cli

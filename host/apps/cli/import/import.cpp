@@ -231,8 +231,8 @@ void add_import(Command app, const Globals& globals) {
       "kitti",
       options,
       globals,
-      [](const auto& asked, const auto& progress, KittiReport& r) {
-        return import_kitti(asked, progress, &r);
+      [](const auto& requested, const auto& progress, KittiReport& r) {
+        return import_kitti(requested, progress, &r);
       },
       print_kitti);
 

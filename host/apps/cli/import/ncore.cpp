@@ -57,12 +57,12 @@ void add_import_ncore(Command import, const Globals& globals) {
       "ncore",
       command,
       globals,
-      [](NcoreCommand asked, const auto& progress, NcoreReport& r) {
-        for (const std::string& text : asked.lidar_tables) {
+      [](NcoreCommand requested, const auto& progress, NcoreReport& r) {
+        for (const std::string& text : requested.lidar_tables) {
           const auto [name, sensor] = parted("--lidar", text, '=', "NAME");
-          asked.tables[name] = lidar_table(sensor);
+          requested.tables[name] = lidar_table(sensor);
         }
-        return import_ncore(asked, progress, r);
+        return import_ncore(requested, progress, r);
       },
       print_ncore);
 }

@@ -47,11 +47,11 @@ void add_run(Command command,
   const auto is_survey = std::make_shared<bool>(false);
   add_output(command, options->output, *is_survey, "log");
   command.run([=, &globals] {
-    Options asked = *options;
-    need_output(asked.output, *is_survey);
+    Options requested = *options;
+    need_output(requested.output, *is_survey);
     FileProgress progress(std::string("import ") + name, globals);
     Report report;
-    const Log log = run(asked, progress.callback(), report);
+    const Log log = run(requested, progress.callback(), report);
     progress.finish();
     std::vector<std::string> lines = describe(report);
     if constexpr (requires { report.labels; }) add_label_line(report.labels, lines);

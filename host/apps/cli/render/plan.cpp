@@ -46,11 +46,11 @@ std::vector<double> parse_times(const std::string& text) {
 
 /// Returns the recorded times of a sensor's frames. Options of another sensor and --duration take precedence.
 std::vector<FrameSpan> recorded_spans(const SensorRig& recorded,
-                                      const RigSensor& asked,
+                                      const RigSensor& requested,
                                       const PlanOptions& options) {
-  std::vector<FrameSpan> spans = recorded.frames(asked.model, asked.sensor);
-  if (spans.empty() || (recorded.has(asked.model) && options.duration_s < 0.0)) return spans;
-  const double duration_s = duration_of(asked.sensor, options);
+  std::vector<FrameSpan> spans = recorded.frames(requested.model, requested.sensor);
+  if (spans.empty() || (recorded.has(requested.model) && options.duration_s < 0.0)) return spans;
+  const double duration_s = duration_of(requested.sensor, options);
   for (FrameSpan& span : spans) span.time_end_s = span.time_start_s + duration_s;
   return spans;
 }
@@ -120,7 +120,7 @@ Drive read_drive(const std::string& scene, const SceneFile& file, const PlanOpti
   return {scene, file.world_from_rig, SensorRig(file)};
 }
 
-Plan make_plan(const Drive& drive, const RigSensor& asked, const PlanOptions& options) {
+Plan make_plan(const Drive& drive, const RigSensor& requested, const PlanOptions& options) {
   if (!options.times.empty() && !options.frames.empty()) {
     refuse("--frames", options.frames, "either --times or --frames");
   }
@@ -130,11 +130,11 @@ Plan make_plan(const Drive& drive, const RigSensor& asked, const PlanOptions& op
   plan.world_from_rig = drive.world_from_rig;
   std::vector<FrameSpan> recorded;
   if (times.empty()) {
-    recorded = recorded_spans(drive.recorded, asked, options);
+    recorded = recorded_spans(drive.recorded, requested, options);
     if (recorded.empty()) {
       throw_input_error(
           drive.source,
-          "recorded_frames of " + asked.sensor.name(),
+          "recorded_frames of " + requested.sensor.name(),
           options.trajectory == kRecorded ? "none (a scene of an older version has none)" : "none",
           "at least one, or --times, or another --trajectory LOG");
     }
@@ -143,7 +143,7 @@ Plan make_plan(const Drive& drive, const RigSensor& asked, const PlanOptions& op
     plan.world_from_rig = driven(plan.world_from_rig, options.speed);
     recorded = spans_within(recorded, plan.world_from_rig);
   }
-  plan.spans = times.empty() ? std::move(recorded) : spans_at(times, duration_of(asked.sensor, options));
+  plan.spans = times.empty() ? std::move(recorded) : spans_at(times, duration_of(requested.sensor, options));
   select_spans(plan, options.frames);
   return plan;
 }

@@ -154,8 +154,8 @@ struct SensorPlan {
 
 std::vector<SensorPlan> views_of(const Drive& drive, const SceneFile& file, const RenderCommand& command) {
   std::vector<SensorPlan> views;
-  for (const RigSensor& asked : find_sensors(file, command.sensors, command.plan.duration_s)) {
-    views.push_back({asked.sensor, make_plan(drive, asked, command.plan)});
+  for (const RigSensor& requested : find_sensors(file, command.sensors, command.plan.duration_s)) {
+    views.push_back({requested.sensor, make_plan(drive, requested, command.plan)});
   }
   return views;
 }

@@ -89,16 +89,16 @@ std::vector<RigSensor> find_sensors(const SceneFile& file, const SensorOptions& 
   const SensorRig recorded(file);
   std::vector<RigSensor> sensors =
       options.rig.empty() ? named_sensors(recorded, options) : read_rig_file(options.rig, recorded);
-  const auto is_camera = [](const RigSensor& asked) { return asked.sensor.is_camera(); };
+  const auto is_camera = [](const RigSensor& requested) { return requested.sensor.is_camera(); };
   if (!options.size.empty() && std::none_of(sensors.begin(), sensors.end(), is_camera)) {
     refuse("--size", options.size, "with cameras");
   }
   const Pose rig_from_shifted{Eigen::Quaterniond::Identity(), {0.0, options.lane_shift_m, 0.0}};
-  for (RigSensor& asked : sensors) {
-    Sensor& sensor = asked.sensor;
+  for (RigSensor& requested : sensors) {
+    Sensor& sensor = requested.sensor;
     sensor = sized(sensor, options).mounted(rig_from_shifted * sensor.rig_from_sensor());
-    const bool is_told = duration_s > 0.0 || (duration_s == 0.0 && sensor.is_camera());
-    if (is_told) sensor = sensor.with_duration(duration_s);
+    const bool is_reported = duration_s > 0.0 || (duration_s == 0.0 && sensor.is_camera());
+    if (is_reported) sensor = sensor.with_duration(duration_s);
   }
   return sensors;
 }

@@ -49,7 +49,7 @@ EvalSupport eval_support(const Evaluation& evaluation) {
   for (const std::size_t index : evaluation.frames().images) {
     const ImageFrame& frame = log.images[index];
     const Camera camera =
-        scaled_camera(log.camera(frame.camera).model, evaluation.frames().asked.image_scale);
+        scaled_camera(log.camera(frame.camera).model, evaluation.frames().requested.image_scale);
     const Tint tint = trained.count(frame.camera) > 0 ? Tint::kKnown : Tint::kUnknown;
     if (tint == Tint::kUnknown) unseen.insert(frame.camera);
     pixels.add_picture(scene, support, log, frame, camera, kEvalSupportStep, tint);

@@ -92,7 +92,7 @@ void add_settings(HtmlReport& html,
                    frames.label(),
                    counted(report.images, "picture"),
                    counted(report.sweeps, "sweep"))},
-      {"size of pictures", fmt::format("{} of the recorded", frames.asked.image_scale)},
+      {"size of pictures", fmt::format("{} of the recorded", frames.requested.image_scale)},
       {"quality", quality_names()[static_cast<std::size_t>(globals.quality)]},
       {"unlike in training", unlike.empty() ? "nothing" : fmt::format("{}", fmt::join(unlike, ", "))},
       {"device", evaluation.device().info().label()},
@@ -209,7 +209,7 @@ void add_times(HtmlReport& html, const Evaluation& evaluation, SceneOnDevice& sc
   if (!log.images.empty() && scene.scene().camera.size() > 0) {
     const ImageFrame& frame = log.images.front();
     const Camera camera =
-        scaled_camera(log.camera(frame.camera).model, evaluation.frames().asked.image_scale);
+        scaled_camera(log.camera(frame.camera).model, evaluation.frames().requested.image_scale);
     html.paragraph(fmt::format("A picture of {}, {} x {} px:", frame.camera, camera.width, camera.height));
     html.table(header, kernel_times(scene, Sensor(camera), shot_of(log, frame)));
   }

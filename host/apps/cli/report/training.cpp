@@ -241,7 +241,7 @@ TrainHistory run_training(Training& training,
                                  outlook.on(status_note(status, device.memory()), status));
                 recorder.add(status, device.memory());
                 live.update(status);
-                if (interruption && ranks.any(interruption->is_asked_for())) {
+                if (interruption && ranks.any(interruption->is_requested_for())) {
                   end_interrupted(training, checkpoints);
                 }
               },

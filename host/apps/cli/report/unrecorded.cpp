@@ -33,9 +33,10 @@ struct Take {
 Take take_of(const Evaluation& evaluation, const ImageFrame& frame) {
   const Log& log = evaluation.log();
   const LogCamera& camera = log.camera(frame.camera);
-  return {&frame,
-          Sensor(scaled_camera(camera.model, evaluation.frames().asked.image_scale), camera.rig_from_camera),
-          shot_of(log, frame)};
+  return {
+      &frame,
+      Sensor(scaled_camera(camera.model, evaluation.frames().requested.image_scale), camera.rig_from_camera),
+      shot_of(log, frame)};
 }
 
 /// Returns the compared frames of the log's first camera that has any.

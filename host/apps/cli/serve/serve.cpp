@@ -73,9 +73,9 @@ void serve_scenes(const ServeCommand& command, const Globals& globals) {
   for (std::size_t i = first; i-- > 0;) session.read_now(session.sources()[i].id);
   serve::HandlerOptions of_handlers;
   of_handlers.allows_edits = command.allows_edits;
-  of_handlers.told = {{"max-workers", fmt::format("{}", command.max_workers)},
-                      {"egocar-hood-dir", command.ego_masks},
-                      {"set", fmt::format("{}", fmt::join(command.settings, " "))}};
+  of_handlers.reported = {{"max-workers", fmt::format("{}", command.max_workers)},
+                          {"egocar-hood-dir", command.ego_masks},
+                          {"set", fmt::format("{}", fmt::join(command.settings, " "))}};
   const serve::Handlers handlers(session, ego_masks, globals.commit, of_handlers);
   serve::ServerOptions of_server = command.server;
   of_server.max_workers = static_cast<std::size_t>(command.max_workers);
@@ -93,7 +93,7 @@ void serve_scenes(const ServeCommand& command, const Globals& globals) {
   std::cout << server.address() << std::endl;  // flushed, because callers wait for the address
   if (metrics) std::cout << metrics->url() << std::endl;
   constexpr std::chrono::milliseconds kPollInterval{50};
-  while (!interruption.is_asked_for() && !server.is_shut_down_asked_for())
+  while (!interruption.is_requested_for() && !server.is_shut_down_requested())
     std::this_thread::sleep_for(kPollInterval);
   server.drain(std::chrono::milliseconds(static_cast<std::int64_t>(command.drain_s * 1e3)));
 }

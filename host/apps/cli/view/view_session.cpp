@@ -66,7 +66,7 @@ ViewSession::ViewSession(const Globals& globals, SceneFile file, ViewSource sour
       scene_(Device::best(globals.device), std::move(file_.scene)),
       copies_(copies_of(source.edits)),
       source_(std::move(source)),
-      asked_s_(-std::numeric_limits<double>::infinity()) {
+      requested_s_(-std::numeric_limits<double>::infinity()) {
   rig_.refuse_files();
 }
 
@@ -86,12 +86,12 @@ void ViewSession::set_progress(const ViewProgress& progress) {
 
 double ViewSession::idle_s() const {
   const std::lock_guard lock(progress_mutex_);
-  return now_s() - asked_s_;
+  return now_s() - requested_s_;
 }
 
 void ViewSession::touch() {
   const std::lock_guard lock(progress_mutex_);
-  asked_s_ = now_s();
+  requested_s_ = now_s();
 }
 
 std::string ViewSession::describe() const {

@@ -91,7 +91,7 @@ class ViewSession : public ViewAnswers {
   std::uint64_t version_ = 0;
   ViewSource source_;
   std::vector<std::string> added_, added_names_;  // command-line options and names of added actors
-  double asked_s_;
+  double requested_s_;
 };
 
 }  // namespace simuli::cli

@@ -167,9 +167,9 @@ void print_polynomial(const Camera& camera, proto::FthetaCameraParam& p) {
   p.set_reference_poly(ftheta.is_inverse ? proto::FthetaCameraParam::PIXELDIST_TO_ANGLE
                                          : proto::FthetaCameraParam::ANGLE_TO_PIXELDIST);
   const auto& polynomial = ftheta.is_inverse ? ftheta.pixels_to_angle : ftheta.angle_to_pixels;
-  auto& told =
+  auto& reported =
       ftheta.is_inverse ? *p.mutable_pixeldist_to_angle_poly() : *p.mutable_angle_to_pixeldist_poly();
-  told.Add(polynomial.begin(), polynomial.end());
+  reported.Add(polynomial.begin(), polynomial.end());
   p.mutable_linear_cde()->set_linear_c(ftheta.linear_cde[0]);
   p.mutable_linear_cde()->set_linear_d(ftheta.linear_cde[1]);
   p.mutable_linear_cde()->set_linear_e(ftheta.linear_cde[2]);

@@ -157,7 +157,7 @@ void Handlers::get_external_asset_objects(const Call& call,
 
 void Handlers::get_server_config(proto::ServerConfig& reply) const {
   auto& config = *reply.mutable_server_config();
-  for (const auto& [key, value] : options_.told) config[key] = value;
+  for (const auto& [key, value] : options_.reported) config[key] = value;
   config["version"] = version();
   config["device"] = session_.devices();
   config["cache-size"] = fmt::format("{}", session_.cache_size());

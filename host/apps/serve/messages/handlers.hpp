@@ -22,7 +22,7 @@ struct Call {
 struct HandlerOptions {
   bool allows_edits = false;                     // by edit_assets; they apply to all clients
   std::int64_t most_more_particles = 1'000'000;  // limit of edits: particles beyond twice those of the scene
-  std::map<std::string, std::string> told = {};  // reported by get_server_config
+  std::map<std::string, std::string> reported = {};  // reported by get_server_config
 };
 
 /// Safe to use from any thread. A call throws exceptions that refusal_of() converts; its reply is invalid then.

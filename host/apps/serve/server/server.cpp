@@ -96,7 +96,7 @@ class CallEnds final : public grpc::experimental::ServerInterceptorFactoryInterf
 /// End of a call by its client.
 struct End {
   bool is_allowed = false;
-  std::atomic<bool> is_asked_for{false};
+  std::atomic<bool> is_requested_for{false};
 };
 
 /// The service under one of its two names.
@@ -119,22 +119,22 @@ class Sensorsim final : public Base::Service {
   Status get_version(ServerContext* c,
                      const proto_common::Empty* /*q*/,
                      proto_common::VersionId* r) override {
-    return told("get_version", c, *r, [&] { handlers_.get_version(*r); });
+    return reported("get_version", c, *r, [&] { handlers_.get_version(*r); });
   }
   Status get_available_scenes(ServerContext* c,
                               const proto_common::Empty* /*q*/,
                               proto_common::AvailableScenesReturn* r) override {
-    return told("get_available_scenes", c, *r, [&] { handlers_.get_available_scenes(*r); });
+    return reported("get_available_scenes", c, *r, [&] { handlers_.get_available_scenes(*r); });
   }
   Status get_loaded_scenes(ServerContext* c,
                            const proto_common::Empty* /*q*/,
                            proto::LoadedScenesReturn* r) override {
-    return told("get_loaded_scenes", c, *r, [&] { handlers_.get_loaded_scenes(*r); });
+    return reported("get_loaded_scenes", c, *r, [&] { handlers_.get_loaded_scenes(*r); });
   }
   Status get_available_ego_masks(ServerContext* c,
                                  const proto_common::Empty* /*q*/,
                                  proto::AvailableEgoMasksReturn* r) override {
-    return told("get_available_ego_masks", c, *r, [&] { handlers_.get_available_ego_masks(*r); });
+    return reported("get_available_ego_masks", c, *r, [&] { handlers_.get_available_ego_masks(*r); });
   }
   Status get_available_cameras(ServerContext* c,
                                const proto::AvailableCamerasRequest* q,
@@ -178,15 +178,15 @@ class Sensorsim final : public Base::Service {
   Status get_server_config(ServerContext* c,
                            const proto_common::Empty* /*q*/,
                            proto::ServerConfig* r) override {
-    return told("get_server_config", c, *r, [&] { handlers_.get_server_config(*r); });
+    return reported("get_server_config", c, *r, [&] { handlers_.get_server_config(*r); });
   }
   Status shut_down(ServerContext* c, const proto_common::Empty* /*q*/, proto_common::Empty* r) override {
-    return told("shut_down", c, *r, [&] {
+    return reported("shut_down", c, *r, [&] {
       if (!end_.is_allowed) {
         throw Refusal(RefusalKind::kDenied,
                       "shut_down: found a server without --allow-shut-down, allowed one with it");
       }
-      end_.is_asked_for = true;
+      end_.is_requested_for = true;
     });
   }
   Status render_rgb(ServerContext* c, const proto::RGBRenderRequest* q, proto::RGBRenderReturn* r) override {
@@ -219,7 +219,7 @@ class Sensorsim final : public Base::Service {
 
  private:
   template <class Reply, class Work>
-  Status told(const char* name, ServerContext* context, const Reply& reply, const Work& work) const {
+  Status reported(const char* name, ServerContext* context, const Reply& reply, const Work& work) const {
     const Stopwatch watch;
     ++at_work_;
     const Status status = status_of(work);
@@ -245,7 +245,7 @@ class Sensorsim final : public Base::Service {
   }
   template <class Reply, class Work>
   Status worked(const char* name, ServerContext* context, const Reply& reply, const Work& work) const {
-    return told(name, context, reply, [&] { in_turn(call_of(*context), work); });
+    return reported(name, context, reply, [&] { in_turn(call_of(*context), work); });
   }
   template <class Work>
   void in_turn(const Call& call, const Work& work) const {
@@ -263,7 +263,7 @@ class Sensorsim final : public Base::Service {
                 const Request& request,
                 Reply& reply,
                 const Work& work) const {
-    return told(name, context, reply, [&] {
+    return reported(name, context, reply, [&] {
       Call call = call_of(*context);
       const std::string key =
           fmt::format("{} {} {}\n", name, handlers_.edition(), call.lidar) + request.SerializeAsString();
@@ -395,7 +395,7 @@ Server::~Server() { drain(std::chrono::milliseconds(0)); }
 int Server::port() const { return impl_->port; }
 std::string Server::address() const { return address_of(impl_->options.host, impl_->port); }
 
-bool Server::is_shut_down_asked_for() const { return impl_->end.is_asked_for; }
+bool Server::is_shut_down_requested() const { return impl_->end.is_requested_for; }
 
 std::string Server::metrics() const {
   const FairQueue& workers = impl_->workers;

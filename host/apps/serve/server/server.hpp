@@ -42,7 +42,7 @@ class Server {
   /// Returns "host:port".
   [[nodiscard]] std::string address() const;
   /// Whether a client requested a shutdown, if that is allowed; the owner of the server then calls drain().
-  [[nodiscard]] bool is_shut_down_asked_for() const;
+  [[nodiscard]] bool is_shut_down_requested() const;
   /// Returns all metrics in Prometheus' text format. Safe to call from any thread.
   [[nodiscard]] std::string metrics() const;
   /// Refuses new calls; returns when the calls in progress are finished and their replies read, or cancelled

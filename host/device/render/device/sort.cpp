@@ -13,16 +13,16 @@ constexpr const char* kSortFile = "kernels/sort.cl";
 constexpr std::size_t kLeastBlock = 1024;  // smaller blocks do not pay for a group's counters
 
 /// Whether groups of one work-item suit the device; larger groups sort in local memory.
-bool is_alone(const Device& device, std::size_t asked) {
-  return asked == 0 ? device.info().is_cpu : asked == 1;
+bool is_alone(const Device& device, std::size_t requested) {
+  return requested == 0 ? device.info().is_cpu : requested == 1;
 }
 int digit_bits_of(bool alone) { return alone ? 11 : 8; }
 std::size_t most_groups(const Device& device, bool alone) {
   return device.info().compute_units * (alone ? 2U : 4U);
 }
 
-std::size_t work_items_of(const Device& device, std::size_t asked) {
-  if (asked != 0) return asked;
+std::size_t work_items_of(const Device& device, std::size_t requested) {
+  if (requested != 0) return requested;
   if (is_alone(device, 0)) return 1;
   const BuildOptions options = BuildOptions().define("RADIX_BITS", digit_bits_of(false));
   return group_size_for(device, kSortFile, options, {"radix_count", "radix_scatter"}, 128);

@@ -117,10 +117,10 @@ void ParticleBuffers::upload(const GaussianSet& set, const DetailLevels* levels)
   upload_actors(set.actor);
   if (!stays_) return;
   if (levels != nullptr) {
-    std::vector<float> told(std::size_t{SIM_DETAIL} * stride, 0.0F);
-    std::copy(levels->from_m.begin(), levels->from_m.end(), told.begin() + SIM_DETAIL_FROM * stride);
-    std::copy(levels->until_m.begin(), levels->until_m.end(), told.begin() + SIM_DETAIL_UNTIL * stride);
-    detail.assign(told);
+    std::vector<float> reported(std::size_t{SIM_DETAIL} * stride, 0.0F);
+    std::copy(levels->from_m.begin(), levels->from_m.end(), reported.begin() + SIM_DETAIL_FROM * stride);
+    std::copy(levels->until_m.begin(), levels->until_m.end(), reported.begin() + SIM_DETAIL_UNTIL * stride);
+    detail.assign(reported);
   }
   const ParticleClusters clusters = clusters_of(set, levels);
   cluster_stride = clusters.stride;

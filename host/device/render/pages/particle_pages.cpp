@@ -61,8 +61,8 @@ std::uint32_t page_count(const GaussianSet& set, const RenderOptions& options) {
 std::uint32_t pages_that_fit(const Device& device, const GaussianSet& set, const RenderOptions& options) {
   const ParticleBytes each = bytes_of(set, options);
   const DeviceInfo& info = device.info();
-  const std::uint64_t asked = static_cast<std::uint64_t>(options.particle_memory_mb) << 20U;
-  const std::uint64_t bytes = asked > 0 ? asked : info.global_bytes / 3;
+  const std::uint64_t requested = static_cast<std::uint64_t>(options.particle_memory_mb) << 20U;
+  const std::uint64_t bytes = requested > 0 ? requested : info.global_bytes / 3;
   const std::uint64_t particles =
       std::min({bytes / each.all, info.max_alloc_bytes / each.largest, std::uint64_t{SIM_PARTICLE_MASK}});
   return std::min(static_cast<std::uint32_t>(particles / kPageParticles), page_count(set, options));

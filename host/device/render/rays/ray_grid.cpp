@@ -196,8 +196,8 @@ double time_spread(const Lidar& lidar, const LidarRays& rays, const std::vector<
   constexpr double kRounding = 1e-6;  // of times in float
   double spread = 0.0;
   for (std::size_t i = 0; i < angles.size(); ++i) {
-    const double told = angles[i] / lidar.azimuth_span;
-    spread = std::max(spread, std::abs(static_cast<double>(rays.time_fraction[i]) - told));
+    const double reported = angles[i] / lidar.azimuth_span;
+    spread = std::max(spread, std::abs(static_cast<double>(rays.time_fraction[i]) - reported));
   }
   return spread > kRounding ? spread : 0.0;
 }

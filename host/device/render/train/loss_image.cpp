@@ -11,8 +11,8 @@ std::vector<double> column_sums(const RealBuffer& parts, std::size_t columns) {
   return total;
 }
 
-std::size_t loss_work_items(const Device& device, std::size_t asked) {
-  if (asked != 0) return asked;
+std::size_t loss_work_items(const Device& device, std::size_t requested) {
+  if (requested != 0) return requested;
   return device.info().is_cpu ? 1 : 32;
 }
 
@@ -20,10 +20,9 @@ ImageLossStage::ImageLossStage(const Device& device, Precision precision, std::s
     : device_(device),
       buffers_(device, precision),
       work_items_(loss_work_items(device, work_items)),
-      loss_image_(Program(device,
-                          "kernels/loss_image.cl",
-                          lane_options(device, precision).define("LS", work_items_)),
-                  "loss_image") {}
+      loss_image_(
+          Program(device, "kernels/loss_image.cl", lane_options(device, precision).define("LS", work_items_)),
+          "loss_image") {}
 
 ImageLoss ImageLossStage::run(const shared::FrameParams& frame,
                               const WorldRays& world_rays,

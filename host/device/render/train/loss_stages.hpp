@@ -71,7 +71,7 @@ struct LidarLossBuffers : BufferTable<LossSizes> {
 };
 
 /// Work-items per tile: `asked`, or 0: chosen for the device. Tests run the GPU configuration on CPUs.
-[[nodiscard]] std::size_t loss_work_items(const Device& device, std::size_t asked);
+[[nodiscard]] std::size_t loss_work_items(const Device& device, std::size_t requested);
 
 class ImageLossStage {
  public:

@@ -12,8 +12,8 @@
 #include "optim/eval/evaluation.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/train/chunk/chunk_parts.hpp"
-#include "optim/train/memory.hpp"
 #include "optim/train/chunk_plan.hpp"
+#include "optim/train/memory.hpp"
 #include "optim/train/training.hpp"
 #include "tests/host/expect_error.hpp"
 #include "tests/support/device.hpp"
@@ -145,13 +145,13 @@ TEST_F(ChunksTest, OneAloneIsTheTrainingAsItWas) {
 TEST_F(ChunksTest, KilledAnywhereTheyGoOnToTheSameScene) {
   const fs::path file = folder_ / "killed.checkpoint";
   Training undisturbed(test::device(), log_, options(20.0));
-  std::vector<int> told;
+  std::vector<int> reported;
   undisturbed.run([&](const TrainStatus& status) {
-    told.push_back(status.iteration);
+    reported.push_back(status.iteration);
     EXPECT_EQ(status.planned, 60);
   });
-  ASSERT_EQ(told.size(), 60U);
-  EXPECT_EQ(told.back(), 60);
+  ASSERT_EQ(reported.size(), 60U);
+  EXPECT_EQ(reported.back(), 60);
   const Scene expected = undisturbed.scene();
   struct Killed {};
   // In the first chunk, at its end, in the second, and twice in the third.
@@ -370,9 +370,9 @@ TEST_F(ChunksTest, PlannedTheyAreThoseOfTheirLength) {
   Training resumed(test::device(), log_, planned);
   resumed.resume(file);
   resumed.run();
-  Training told(test::device(), log_, options(plan.length_m));
-  told.run();
-  expect_same(resumed.scene(), told.scene());
+  Training reported(test::device(), log_, options(plan.length_m));
+  reported.run();
+  expect_same(resumed.scene(), reported.scene());
 }
 
 TEST_F(ChunksTest, RefuseWhatOneWouldTellOtherThanTheNext) {
