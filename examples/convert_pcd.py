@@ -6,7 +6,7 @@ CLOUDS: *.pcd (ascii, binary, binary_compressed), one per sweep. POSES: a line f
   12 numbers, a 3 x 4 matrix  (KITTI; the n-th of the n-th file),
 of the LiDAR, or with --mount of the rig that it is mounted on. A file's time is its name: seconds (1700000000.1), whole
 microseconds or nanoseconds (16 or 19 digits), or SECONDS_NANOSECONDS; of other names the n-th file has the n-th pose.
-Clouds beside the path of poses with times are left out. TABLE: `simuli info sensors`, or a file of `simuli fit beams`.
+Clouds outside the times of the poses are left out. TABLE: `simuli info sensors`, or a file of `simuli fit beams`.
 
 Fields: x y z; intensity (or reflectivity, i), to 1, 255 or 65535, whichever holds the greatest; t, time, timestamp,
 time_stamp, offset_time or curvature: when each point was measured, after the sweep's start or since 1970, in s, ms, us or
@@ -182,7 +182,7 @@ def placed(files, times, poses, sweep_ns):
     path = Path(times, poses)
     kept = [(f, t) for f, t in zip(files, stamps) if path.times_ns[0] <= t <= path.times_ns[-1]]
     if len(kept) < len(files):
-        print(f"{len(files) - len(kept)} clouds lie beside the path and are left out")
+        print(f"{len(files) - len(kept)} clouds are outside the times of the poses and are left out")
     return kept, path
 
 

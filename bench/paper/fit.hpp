@@ -5,7 +5,7 @@
 #include <string>
 
 #include "host/device/runtime/device.hpp"
-#include "io/base/scratch_folder.hpp"
+#include "io/base/temporary.hpp"
 #include "io/log/log.hpp"
 #include "io/synth/street.hpp"
 #include "optim/eval/evaluation.hpp"

@@ -13,9 +13,7 @@
 #include <vector>
 
 #include "host/core/base/error.hpp"
-#include "io/base/ending.hpp"
 #include "io/base/file.hpp"
-#include "io/base/regular_file.hpp"
 
 namespace simuli {
 namespace {

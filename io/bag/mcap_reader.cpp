@@ -10,7 +10,6 @@
 #include "io/bag/mcap_format.hpp"
 #include "io/base/file.hpp"
 #include "io/base/gzip.hpp"
-#include "io/base/regular_file.hpp"
 
 namespace simuli {
 namespace {

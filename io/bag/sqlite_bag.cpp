@@ -5,7 +5,7 @@
 
 #include "host/core/base/error.hpp"
 #include "io/bag/bag.hpp"
-#include "io/base/regular_file.hpp"
+#include "io/base/file.hpp"
 
 namespace simuli {
 namespace {

@@ -9,8 +9,6 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/split.hpp"
-#include "io/base/ending.hpp"
-#include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
 
 namespace simuli {

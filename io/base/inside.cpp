@@ -1,10 +1,9 @@
-#include "io/base/inside.hpp"
-
 #include <algorithm>
 #include <string>
 #include <system_error>
 
 #include "host/core/base/error.hpp"
+#include "io/base/file.hpp"
 #include "io/base/temporary.hpp"
 
 namespace simuli {

@@ -10,9 +10,7 @@
 #include <unistd.h>
 
 #include "host/core/base/error.hpp"
-#include "io/base/ending.hpp"
 #include "io/base/file.hpp"
-#include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
 
 namespace simuli {

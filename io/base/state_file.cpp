@@ -7,7 +7,6 @@
 
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/base/regular_file.hpp"
 
 namespace simuli {
 namespace {

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <set>
+#include <stdlib.h>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -302,6 +303,19 @@ bool is_temporary(const fs::path& file) {
   const std::size_t number = name.rfind('.', mark - 1);
   if (number == std::string::npos || number == 0) return false;
   return process_in(name, name.substr(1, number - 1), name.substr(mark + kMark.size())).has_value();
+}
+
+ScratchFolder::ScratchFolder(const std::string& name) {
+  std::string pattern = (std::filesystem::temp_directory_path() / (name + "_XXXXXX")).string();
+  if (::mkdtemp(pattern.data()) == nullptr) throw_errno(pattern, "folder", "one that can be made");
+  path_ = pattern;
+  remove_at_end(path_);
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;  // a destructor must not throw; remains are in the temporary folder
+  std::filesystem::remove_all(path_, ignored);
+  keep_at_end(path_);
 }
 
 }  // namespace simuli

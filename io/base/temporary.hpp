@@ -2,6 +2,7 @@
 // Temporary files and folders beside their final path.
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <sys/types.h>
 
 namespace simuli {
@@ -69,6 +70,20 @@ class Descriptor {
 
  private:
   int descriptor_;
+};
+
+/// A new folder NAME_... in the system's temporary folder, removed with its contents, also when the process is
+/// terminated (temporary.hpp). Throws Error{kInput} if it cannot be created.
+class ScratchFolder {
+ public:
+  explicit ScratchFolder(const std::string& name);
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  ~ScratchFolder();
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
 };
 
 }  // namespace simuli

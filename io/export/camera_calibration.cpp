@@ -1,7 +1,6 @@
-#include "io/export/camera_calibration.hpp"
-
 #include <vector>
 
+#include "io/export/drive_parts.hpp"
 #include "io/export/ftheta_camera.hpp"
 
 namespace simuli {

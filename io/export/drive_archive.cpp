@@ -1,19 +1,18 @@
 #include "io/export/drive_archive.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <fmt/format.h>
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/version.hpp"
-#include "host/core/scene/ground/ground_mesh.hpp"
-#include "host/core/scene/moment.hpp"
+#include "host/core/scene/edit.hpp"
+#include "host/core/scene/ground/ground_map.hpp"
 #include "io/archive/stored_zip.hpp"
+#include "io/base/bytes.hpp"
 #include "io/base/file.hpp"
-#include "io/export/camera_calibration.hpp"
-#include "io/export/drive_tracks.hpp"
-#include "io/export/mesh_ply.hpp"
-#include "io/export/road_map.hpp"
+#include "io/export/drive_parts.hpp"
 #include "io/splat/splat_file.hpp"
 
 namespace simuli {
@@ -102,6 +101,23 @@ DriveArchive write_drive_archive(const std::filesystem::path& file,
     for (const char* entry : {"mesh_ground.ply", "mesh.ply"}) zip.add(entry, ply);
   }
   write_file_atomically(file, zip.finish());
+  return out;
+}
+
+std::string ply_of(const TriangleMesh& mesh) {
+  std::string out = fmt::format(
+      "ply\nformat binary_little_endian 1.0\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\nelement face {}\n"
+      "property list uchar int vertex_indices\nend_header\n",
+      mesh.vertices.size(),
+      mesh.triangles.size());
+  for (const Eigen::Vector3f& v : mesh.vertices) {
+    for (int c = 0; c < 3; ++c) append_little_endian(out, std::bit_cast<std::uint32_t>(v[c]), 4);
+  }
+  for (const auto& triangle : mesh.triangles) {
+    append_little_endian(out, triangle.size(), 1);
+    for (const std::uint32_t vertex : triangle) append_little_endian(out, vertex, 4);
+  }
   return out;
 }
 

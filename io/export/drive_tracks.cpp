@@ -1,8 +1,6 @@
-#include "io/export/drive_tracks.hpp"
-
 #include <algorithm>
 
-#include "io/export/camera_calibration.hpp"
+#include "io/export/drive_parts.hpp"
 #include "io/export/track_labels.hpp"
 
 namespace simuli {

@@ -1,5 +1,3 @@
-#include "io/export/road_map.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -7,6 +5,7 @@
 #include <utility>
 
 #include "host/core/base/spread.hpp"
+#include "io/export/drive_parts.hpp"
 #include "io/export/road_line.hpp"
 
 namespace simuli {

@@ -10,9 +10,7 @@
 #include "host/core/base/names.hpp"
 #include "host/core/base/spread.hpp"
 #include "io/base/file.hpp"
-#include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
-#include "io/base/regular_file.hpp"
 #include "io/log/camera_mask.hpp"
 #include "io/log/log_json.hpp"
 #include "io/log/new_log.hpp"
@@ -205,7 +203,8 @@ Json to_json(const Log& log) {
   std::vector<LogLidar> lidars = log.lidars;
   for (LogLidar& lidar : lidars) {
     if (!has_sweeps(log, lidar.model)) continue;
-    std::visit([](auto& model) { model.sweep_s = kUsualSweep_s; }, lidar.model);  // the default is not written
+    std::visit([](auto& model) { model.sweep_s = kUsualSweep_s; },
+               lidar.model);  // the default is not written
   }
   add_sensors(root, log.cameras, lidars);
   root["world_from_rig"] = to_json(log.world_from_rig, log.start_ns);

@@ -15,36 +15,36 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Wide enough for every label of the street, 0013 and 0052; the turns of a short thing are people's.
-constexpr double kVehicle_m = 2.5;  // who is as long turns as a vehicle does
+// Tolerances that no label of the street, 0013 and 0052 exceeds; short objects turn like people.
+constexpr double kVehicle_m = 2.5;  // least length of objects that turn like vehicles
 constexpr double kVehicleTurn_rad_per_s = 1.5, kTurn_rad_per_s = 6.0;
-constexpr double kLabel_rad = 0.6;  // by which labels of a thing that does not turn differ
+constexpr double kLabel_rad = 0.6;  // scatter of the headings of an object that does not turn
 constexpr double kDriving_m_per_s = 1.0;
-// Of places: by how much labels of one thing scatter, and how much faster than in the middle it drives for one.
+// Scatter of an object's positions, excess of a single label's speed over the median, and largest speed.
 constexpr double kPosition_m = 1.5, kFaster_m_per_s = 15.0, kFastest_m_per_s = 100.0;
-constexpr int kLeastDriving = 3;      // labels: by how many more drive one way than the other
-constexpr double kAboveRoof_m = 1.5;  // where the own vehicle has its sensors
-// Roads are lanes of 3.5 m; the longest that 96/53/EC lets on them is 25.25 m. Trams and trains are 2.7 m wide.
+constexpr int kLeastDriving = 3;      // least majority of labels that drive in one direction
+constexpr double kAboveRoof_m = 1.5;  // height of the ego vehicle's sensors
+// Lanes are 3.5 m wide; 96/53/EC allows vehicles of up to 25.25 m. Trams and trains are 2.7 m wide.
 constexpr double kWidestDriving_m = 5.0, kLongestDriving_m = 30.0, kLongestOnRails_m = 400.0;
-constexpr double kDrives_m = 3.0;  // what stands may be a building
+constexpr double kDrives_m = 3.0;  // least travel of a moving object; static ones may be buildings
 
-/// Of one label.
+/// The headings of one labelled object.
 class Headings {
  public:
   explicit Headings(Actor& actor)
       : track_(actor.track),
         most_rad_per_s_(actor.size_m.maxCoeff() >= kVehicle_m ? kVehicleTurn_rad_per_s : kTurn_rad_per_s) {}
 
-  /// How many were half a turn off.
+  /// Reverses flipped headings; returns their number.
   std::size_t unflip() {
     std::size_t all = 0;
     for (std::size_t first = 0; first < track_.size();) {
-      std::vector<std::size_t> flipped;  // as against the first
+      std::vector<std::size_t> flipped;  // relative to the first heading
       std::size_t end = first + 1;
       for (; end < track_.size() && most_rad(end - 1, end) < std::numbers::pi; ++end) {
         if (can_turn(end - 1, end)) continue;
         flip(end);
-        // Whether the next ones were, too, is asked of them as they are.
+        // Later headings are compared with unchanged ones.
         if (can_turn(end - 1, end))
           flipped.push_back(end);
         else
@@ -56,7 +56,7 @@ class Headings {
     return all;
   }
 
-  /// How many were off otherwise, each alone.
+  /// Replaces single outliers; returns their number.
   std::size_t straighten() {
     const std::size_t count = track_.size();
     std::size_t all = 0;
@@ -73,7 +73,7 @@ class Headings {
     return all;
   }
 
-  /// The first that the thing can't turn to from the one before; 0: none.
+  /// Returns the first heading that the object cannot reach from the previous one; 0: none.
   [[nodiscard]] std::size_t first_wrong() const {
     for (std::size_t k = 1; k < track_.size(); ++k) {
       if (!can_turn(k - 1, k)) return k;
@@ -92,7 +92,7 @@ class Headings {
   }
   [[nodiscard]] bool can_turn(std::size_t a, std::size_t b) const { return turn_rad(a, b) <= most_rad(a, b); }
 
-  /// [first, end) agree by now, `flipped` of them turned: which way round?
+  /// The headings [first, end) agree, `flipped` of them were reversed: determines the common direction.
   std::size_t settle(std::size_t first, std::size_t end, std::size_t flipped) {
     int ahead = 0;
     for (std::size_t k = first; k < end; ++k) {
@@ -140,12 +140,12 @@ bool can_get(const std::vector<KeyPose>& track, std::size_t a, std::size_t b, do
   return distance_m(track, a, b) <= kPosition_m + most_m_per_s * std::abs(track[b].time_s - track[a].time_s);
 }
 
-/// Whether it is where the thing can't have got to and come back from at that speed.
+/// Whether the object cannot reach this position and return at that speed.
 bool is_off(const std::vector<KeyPose>& track, std::size_t k, double most_m_per_s) {
   const std::size_t count = track.size();
   if (count < 3) return false;
   const std::size_t before = k == 0 ? 2 : k - 1, after = k + 1 == count ? count - 3 : k + 1;
-  if (k == 0 || k + 1 == count) most_m_per_s = kFastest_m_per_s;  // at an end, braking is like being off
+  if (k == 0 || k + 1 == count) most_m_per_s = kFastest_m_per_s;  // at an end, braking resembles an outlier
   return !can_get(track, before, k, most_m_per_s) && !can_get(track, k, after, most_m_per_s) &&
          can_get(track, before, after, most_m_per_s);
 }
@@ -176,7 +176,7 @@ void sanitize_positions(Actor& actor, std::vector<std::string>& said) {
   }
 }
 
-/// Larger than anything that drives.
+/// Whether the object is larger than any vehicle.
 bool is_too_large(const Actor& actor) {
   if (actor.travel_m() < kDrives_m) return false;
   const std::string kind = lower(actor.kind);

@@ -1,5 +1,5 @@
 #pragma once
-// What labels say that cannot be.
+// Detection and repair of impossible labels.
 #include <string>
 #include <vector>
 
@@ -7,16 +7,15 @@
 
 namespace simuli {
 
-/// Mends the log's labels, a line for each that is not as it was, empty where all are:
-/// - Headings that jump by half a turn are turned back (a box has the same shape either way), so that they
-///   agree with where the thing drives to or, where it stands, with most of its labels. One that is off by
-///   another angle for one label is that between the labels beside it. What still turns faster than such a
-///   thing can is told and left.
-/// - A place that one label alone tells, where the thing can't have got to and come back from, is left out. What
-///   else moves faster than anything on roads and rails is told and left.
-/// - No other thing is where a sensor is, nor right below it: a label that is so at half of its poses and
-///   more is the own vehicle or of no use and left out, and so are those poses of others.
-/// - What drives and is wider than 5 m or longer than 30 m (tram, train: 400 m) is left out.
+/// Repairs the log's labels. Returns a line for each repaired label; empty if all are plausible:
+/// - Headings that jump by half a revolution are reversed (a box has the same shape either way), so that they agree
+///   with the direction of driving or, for an object at rest, with most of its labels. A single heading with another
+///   error is interpolated between its neighbours. Objects that still turn too fast are reported and kept.
+/// - A single position that the object cannot have reached and returned from is left out. Other motion faster than
+///   anything on roads and rails is reported and kept.
+/// - No other object is at a sensor or directly below it: a label with at least half of its poses there is the ego
+///   vehicle or wrong and is left out; of other labels those poses are left out.
+/// - A moving object wider than 5 m or longer than 30 m (tram, train: 400 m) is left out.
 [[nodiscard]] std::vector<std::string> sanitize_labels(Log& log);
 
 }  // namespace simuli

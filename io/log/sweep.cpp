@@ -8,7 +8,6 @@
 
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/base/regular_file.hpp"
 #include "io/log/log.hpp"
 #include "io/log/sweep_file.hpp"
 #include "io/picture/codec/picture_codec.hpp"
@@ -103,7 +102,8 @@ Sweep read_recorded_sweep(const fs::path& file, const SweepShape& shape) {
                       fmt::format("{} x {} of lidar {}", rows, columns, shape.lidar));
   }
   const std::vector<std::string>& names = layout.channel_names;
-  std::array<std::size_t, kChannels.size()> place{};  // of kChannels in the file, which sorts channels by name
+  std::array<std::size_t, kChannels.size()>
+      place{};  // of kChannels in the file, which sorts channels by name
   for (std::size_t c = 0; c < kChannels.size(); ++c) {
     const auto found = std::find(names.begin(), names.end(), kChannels[c].name);
     if (found == names.end() || names.size() != kChannels.size()) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/core/base/error.hpp"
-#include "io/export/camera_calibration.hpp"
+#include "io/export/drive_parts.hpp"
 
 namespace simuli::ncore {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/export/camera_calibration.hpp"
+#include "io/export/drive_parts.hpp"
 #include "io/log/log_json.hpp"
 #include "io/ncore/clock.hpp"
 #include "io/ncore/models.hpp"

@@ -10,7 +10,6 @@
 
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/base/regular_file.hpp"
 #include "io/picture/codec/picture_codec.hpp"
 #include "io/picture/exr_header.hpp"
 #include "io/picture/sized_image.hpp"

@@ -1,13 +1,12 @@
-#include "io/scene/appearance_file.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <utility>
 
 #include "host/core/base/error.hpp"
-#include "io/base/inside.hpp"
+#include "io/base/file.hpp"
 #include "io/picture/sized_image.hpp"
+#include "io/scene/scene_parts.hpp"
 
 namespace simuli {
 namespace {

@@ -12,16 +12,11 @@
 #include "host/core/scene/occluders.hpp"
 #include "host/core/scene/particle_order.hpp"
 #include "io/base/file.hpp"
-#include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
 #include "io/base/output.hpp"
-#include "io/base/regular_file.hpp"
 #include "io/log/log_json.hpp"
-#include "io/scene/appearance_file.hpp"
-#include "io/scene/scene_output.hpp"
+#include "io/scene/scene_parts.hpp"
 #include "io/scene/splat_scene.hpp"
-#include "io/scene/support_file.hpp"
-#include "io/scene/training_json.hpp"
 #include "io/splat/ply.hpp"
 #include "io/splat/splat_file.hpp"
 
@@ -365,5 +360,13 @@ void rewrite_scene_json(const fs::path& folder, const SceneFile& scene) {
   (void)parse_scene(text, file.string());
   write_file_atomically(file, text);
 }
+
+SceneOutput::SceneOutput(const std::filesystem::path& folder, bool overwrite)
+    : lock_(std::make_unique<OutputLock>(folder)) {
+  if (!overwrite) need_new_path(folder);
+  need_scene_output(folder);
+}
+
+SceneOutput::~SceneOutput() = default;
 
 }  // namespace simuli

@@ -1,6 +1,6 @@
 #pragma once
 // Scene folders: camera.ply, lidar.ply (io/splat/ply.hpp), pictures of the appearance
-// (io/scene/appearance_file.hpp), the support record (io/scene/support_file.hpp), and scene.json.
+// (io/scene/scene_parts.hpp), the support record (io/scene/scene_parts.hpp), and scene.json.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -49,5 +49,24 @@ void aim_color_grids(SceneFile& file);
 void write_scene(const std::filesystem::path& folder, const SceneFile& scene);
 /// Rewrites scene.json atomically in a folder of write_scene() with the same particles.
 void rewrite_scene_json(const std::filesystem::path& folder, const SceneFile& scene);
+
+/// Throws the Error{kInput} with which write_scene() would refuse the folder.
+void need_scene_output(const std::filesystem::path& folder);
+
+class OutputLock;
+
+/// Reserves a scene's folder before a training: only this process writes it until destruction. Throws
+/// Error{kInput} if the name exists (with `overwrite`: unless it is a scene), if another process has reserved
+/// it, and if nothing can be written.
+class SceneOutput {
+ public:
+  explicit SceneOutput(const std::filesystem::path& folder, bool overwrite = false);
+  SceneOutput(const SceneOutput&) = delete;
+  SceneOutput& operator=(const SceneOutput&) = delete;
+  ~SceneOutput();
+
+ private:
+  std::unique_ptr<OutputLock> lock_;
+};
 
 }  // namespace simuli

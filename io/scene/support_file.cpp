@@ -1,11 +1,10 @@
-#include "io/scene/support_file.hpp"
-
 #include <fmt/format.h>
 #include <utility>
 
 #include "host/core/base/error.hpp"
-#include "io/base/inside.hpp"
+#include "io/base/file.hpp"
 #include "io/picture/sized_image.hpp"
+#include "io/scene/scene_parts.hpp"
 
 namespace simuli {
 namespace {

@@ -1,5 +1,3 @@
-#include "io/scene/training_json.hpp"
-
 #include <cstdint>
 #include <limits>
 #include <type_traits>
@@ -7,6 +5,7 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/fields.hpp"
 #include "host/core/base/one_line.hpp"
+#include "io/scene/scene_parts.hpp"
 
 namespace simuli {
 namespace {

@@ -6,7 +6,6 @@
 
 #include "host/core/base/error.hpp"
 #include "io/archive/stored_zip.hpp"
-#include "io/base/ending.hpp"
 #include "io/base/file.hpp"
 #include "io/splat/ply.hpp"
 #include "io/splat/splat_axes.hpp"

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "host/core/base/error.hpp"
-#include "io/base/regular_file.hpp"
+#include "io/base/file.hpp"
 #include "io/base/temporary.hpp"
 #include "io/zarr/itar_index.hpp"
 #include "io/zarr/zarr_codec.hpp"

@@ -5,23 +5,24 @@
 #include <utility>
 #include <vector>
 
-#include "host/core/scene/moment.hpp"
+#include "host/core/scene/edit.hpp"
 #include "host/core/scene/occluders.hpp"
 #include "host/core/scene/particle_order.hpp"
-#include "optim/eval/scene_sensors.hpp"
 #include "optim/complete/inpaint_views.hpp"
+#include "optim/eval/sweep_pair.hpp"
 #include "optim/init/initialize_sets.hpp"
 #include "optim/init/initialize_views.hpp"
 
 namespace simuli {
 namespace {
 
-constexpr float kHidden = 3.0F;  // ratio of occluded to visible weight from which a particle counts as occluded
-constexpr float kLeastSeen = 0.5F;  // rays: less visible weight counts as unseen
+constexpr float kHidden =
+    3.0F;  // ratio of occluded to visible weight from which a particle counts as occluded
+constexpr float kLeastSeen = 0.5F;      // rays: less visible weight counts as unseen
 constexpr std::size_t kMostViews = 12;  // per sensor, evenly spread over its training frames
-constexpr double kReach_m = 0.3;  // margin around an actor's box that still occludes
+constexpr double kReach_m = 0.3;        // margin around an actor's box that still occludes
 constexpr int kCell_px = 2;
-constexpr double kCoarse = 2.0;  // side of voxels relative to visible parts: inpainting has no fine detail
+constexpr double kCoarse = 2.0;   // side of voxels relative to visible parts: inpainting has no fine detail
 constexpr double kLargest = 4.0;  // relative to the pictures' resolution; larger gaps are too far away
 constexpr float kOpacityLogit = 3.0F;  // 0.95: no loss will raise it
 // Distance by which a view must see past a point to contradict it.
@@ -43,7 +44,8 @@ struct Gap {
 /// One set of the scene and the views of its sensors.
 class SetFiller {
  public:
-  SetFiller(const Device& device, const Log& log, const InpaintRecipe& recipe, const Scene& scene, SetKind kind)
+  SetFiller(
+      const Device& device, const Log& log, const InpaintRecipe& recipe, const Scene& scene, SetKind kind)
       : device_(device),
         recipe_(recipe),
         scene_(scene),
@@ -164,7 +166,7 @@ class SetFiller {
 
   struct Points {
     std::vector<Eigen::Vector3d> at;
-    std::vector<PointObservation> looks;
+    std::vector<PointObservation> observations;
   };
   /// Parts of a picture that inpainting from other views covers; none for a LiDAR.
   [[nodiscard]] Coverage covered(std::size_t v, const std::vector<Points>& of_actor) const {
@@ -178,8 +180,9 @@ class SetFiller {
         Eigen::Vector2d pixel;
         double range_m = 0.0;
         if (!pictures_[v].project(points.at[i], pixel, range_m)) continue;
-        out.cover(pixel,
-                  0.5 * static_cast<double>(points.looks[i].footprint_m) * camera.focal_px() / range_m);
+        out.cover(
+            pixel,
+            0.5 * static_cast<double>(points.observations[i].footprint_m) * camera.focal_px() / range_m);
       }
     }
     return out;
@@ -203,13 +206,14 @@ class SetFiller {
         if (!(direction.squaredNorm() > 0.0)) continue;
         Points& points = of_actor[rows.actor[filled.ray] - 1];
         points.at.emplace_back(origin + static_cast<double>(filled.range_m) * direction - scene_.origin);
-        points.looks.push_back({filled.range_m,
-                                static_cast<float>(ray_rad) * filled.range_m,
-                                Eigen::Vector3f(filled.features[0], filled.features[1], filled.features[2])});
+        points.observations.push_back(
+            {filled.range_m,
+             static_cast<float>(ray_rad) * filled.range_m,
+             Eigen::Vector3f(filled.features[0], filled.features[1], filled.features[2])});
       }
     }
     for (std::size_t a = 0; a < of_actor.size(); ++a) {
-      append(out.instead[a], set_of(of_actor[a].at, of_actor[a].looks), 0);
+      append(out.instead[a], set_of(of_actor[a].at, of_actor[a].observations), 0);
     }
   }
 
@@ -234,7 +238,7 @@ class SetFiller {
 
   /// Makes opaque particles at these points, as initialisation does.
   [[nodiscard]] GaussianSet set_of(const std::vector<Eigen::Vector3d>& at,
-                                   std::vector<PointObservation> looks) const {
+                                   std::vector<PointObservation> observations) const {
     InitOptions init = recipe_.init;
     init.voxel_m *= kCoarse;
     init.max_scale_m *= kLargest;
@@ -243,7 +247,7 @@ class SetFiller {
     if (kind_ == SetKind::kLidar) {
       VoxelGrid grid(init.voxel_m);
       for (std::size_t i = 0; i < at.size(); ++i) {
-        grid.add(at[i], static_cast<double>(std::clamp(looks[i].colour[0], 0.0F, 1.0F)));
+        grid.add(at[i], static_cast<double>(std::clamp(observations[i].colour[0], 0.0F, 1.0F)));
       }
       const PointSet points = grid.averages();
       init.lidar_sh_degree = set.sh_degree;
@@ -257,17 +261,17 @@ class SetFiller {
         points.position.col(static_cast<Eigen::Index>(i)) = at[i].cast<float>();
       }
       points.intensity.assign(at.size(), 0.0F);
-      join_by_footprint(points, looks, init.voxel_m, kCameraVoxel_px);
+      join_by_footprint(points, observations, init.voxel_m, kCameraVoxel_px);
       std::vector<std::uint32_t> kept;
       for (std::uint32_t i = 0; i < points.size(); ++i) {
         if (is_seen_through(points.position.col(i).cast<double>())) continue;
-        looks[kept.size()] = looks[i];
+        observations[kept.size()] = observations[i];
         kept.push_back(i);
       }
       points = points.subset(kept);
-      looks.resize(kept.size());
+      observations.resize(kept.size());
       init.camera_sh_degree = set.sh_degree;
-      set = camera_set(points, looks, init);
+      set = camera_set(points, observations, init);
     }
     set.opacity_logit().setConstant(kOpacityLogit);
     return set;
@@ -278,10 +282,10 @@ class SetFiller {
   const Scene& scene_;
   SetKind kind_;
   std::vector<InpaintView> views_;
-  std::vector<ImageView> pictures_;  // [views] of cameras
-  std::vector<ActorsBefore> before_;  // [views]; empty without any actor
+  std::vector<ImageView> pictures_;           // [views] of cameras
+  std::vector<ActorsBefore> before_;          // [views]; empty without any actor
   std::vector<std::vector<ActorBox>> boxes_;  // [views]
-  std::vector<Gap> gaps_;  // of the views with gaps, largest first
+  std::vector<Gap> gaps_;                     // of the views with gaps, largest first
 };
 
 /// Renumbers the disoccluded particles and appends the inpainted ones to the set.
@@ -306,7 +310,10 @@ void take_over(const Scene& scene,
 
 }  // namespace
 
-void inpaint_behind_actors(const Device& device, const Log& log, const InpaintRecipe& recipe, SceneFile& file) {
+void inpaint_behind_actors(const Device& device,
+                           const Log& log,
+                           const InpaintRecipe& recipe,
+                           SceneFile& file) {
   Scene& scene = file.scene;
   if (scene.actors.empty()) return;
   const Log own = with_sensors_of(file, log);

@@ -15,10 +15,10 @@ namespace simuli {
 namespace {
 
 constexpr float kSolidTransmittance = 0.5F;
-constexpr float kFarthest_m = 150.0F;  // beyond it parallax is negligible
+constexpr float kFarthest_m = 150.0F;    // beyond it parallax is negligible
 constexpr double kWholeTurn_rad = 6.28;  // tolerance for a rounded azimuth span
-constexpr double kAround_rad = 0.1;  // next to a gap: objects only there do not continue behind it
-constexpr double kAround_m = 0.2;  // margin around an actor's box that still shows it
+constexpr double kAround_rad = 0.1;      // next to a gap: objects only there do not continue behind it
+constexpr double kAround_m = 0.2;        // margin around an actor's box that still shows it
 constexpr int kCameraEdge_px = 2, kLidarEdge = 1;
 
 /// Returns the same particles with a uniform appearance, so that no colour is clipped.
@@ -43,9 +43,9 @@ bool is_closed(const Sensor& sensor) {
 
 /// Adds weights times the appearance of particles from `eye`, in the set's frame.
 void add_observations(const GaussianSet& set,
-               const Eigen::Vector3d& eye,
-               const Eigen::VectorXf& weights,
-               Eigen::MatrixX3f& looks) {
+                      const Eigen::Vector3d& eye,
+                      const Eigen::VectorXf& weights,
+                      Eigen::MatrixX3f& observations) {
   const int coefficients = sh_coefficients(set.sh_degree);
   parallel_each(static_cast<std::size_t>(set.size()), [&](std::size_t particle) {
     const auto i = static_cast<Eigen::Index>(particle);
@@ -54,7 +54,7 @@ void add_observations(const GaussianSet& set,
     const Eigen::RowVectorXf basis = sh_basis_at(towards.normalized()).cast<float>();
     Eigen::RowVector3f look = Eigen::RowVector3f::Zero();
     for (int k = 0; k < coefficients; ++k) look += basis(k) * set.sh(k).row(i);
-    looks.row(i) += weights(i) * look;
+    observations.row(i) += weights(i) * look;
   });
 }
 
@@ -135,9 +135,9 @@ std::vector<std::uint32_t> ActorsBefore::of(std::size_t rays) const {
 }
 
 std::vector<InpaintView> inpaint_views(const Log& log,
-                                 const FrameSelection& frames,
-                                 SetKind kind,
-                                 std::size_t most) {
+                                       const FrameSelection& frames,
+                                       SetKind kind,
+                                       std::size_t most) {
   const HeldOutRule rule(log, frames);
   std::vector<InpaintView> views;
   if (kind == SetKind::kCamera) {

@@ -8,9 +8,8 @@
 #include "host/device/render/scene/scene_on_device.hpp"
 #include "optim/base/evenly_spread.hpp"
 #include "optim/base/frames.hpp"
-#include "optim/eval/scene_sensors.hpp"
-#include "optim/eval/sweep_pair.hpp"
 #include "optim/complete/support_reliability.hpp"
+#include "optim/eval/sweep_pair.hpp"
 
 namespace simuli {
 namespace {

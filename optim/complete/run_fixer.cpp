@@ -18,7 +18,6 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/interruption.hpp"
 #include "io/base/file.hpp"
-#include "io/base/scratch_folder.hpp"
 #include "io/base/temporary.hpp"
 #include "io/log/log_json.hpp"
 #include "io/log/sensor_json.hpp"

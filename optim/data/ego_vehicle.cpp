@@ -1,5 +1,3 @@
-#include "optim/data/ego_vehicle.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -9,6 +7,7 @@
 #include "host/core/base/spread.hpp"
 #include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/data/sensor_learning.hpp"
 
 namespace simuli {
 namespace {
@@ -16,16 +15,17 @@ namespace {
 constexpr double kTurn_rad = 2.0 * std::numbers::pi;
 constexpr double kBelowHorizon_rad = 5.0 * std::numbers::pi / 180.0;
 constexpr std::size_t kFewestSweepsOfADrive = 8;
-constexpr double kShortestDrive_m = 5.0;  // shortest path after which surroundings of a parked car have changed
+constexpr double kShortestDrive_m =
+    5.0;                                // shortest path after which surroundings of a parked car have changed
 constexpr std::size_t kFewestRays = 5;  // in a cell, to call it blind
 constexpr std::size_t kFewestCells = 3;  // in an arc, because single cells may be chance
 // Thresholds for returns of the ego vehicle. PandaSet's from its roof scatter by 1 to 4 cm between sweeps.
 constexpr double kOwnRange_m = 3.0;
 constexpr double kOwnScatter_m = 0.1;        // standard deviation
-constexpr double kOwnDrop = 0.5;  // largest height below the sensor relative to the ground's
-constexpr double kOwnHalfWidth_m = 1.25;  // excludes a wall at a constant distance next to the path
+constexpr double kOwnDrop = 0.5;             // largest height below the sensor relative to the ground's
+constexpr double kOwnHalfWidth_m = 1.25;     // excludes a wall at a constant distance next to the path
 constexpr double kOwnShortestDrive_m = 1.0;  // static surroundings come nearer by as much
-constexpr double kOwnShare = 0.2;  // of a cell's rays: at edges of the roof some rays pass it
+constexpr double kOwnShare = 0.2;            // of a cell's rays: at edges of the roof some rays pass it
 
 struct Cell {
   std::uint32_t rays = 0;
@@ -128,7 +128,8 @@ std::vector<std::vector<BlindArc>> find_blind_arcs(const Log& log, const FrameSe
         const Eigen::Vector3d in_rig =
             rig_from_lidar.rotation * Lidar::direction(azimuth, lidar.rows[row].elevation);
         c.own = c.is_own(in_rig, rig_from_lidar.translation, ground_m);
-        if (!c.own && driven_m < kShortestDrive_m) c.rays = 0;  // missing returns may be due to the surroundings
+        if (!c.own && driven_m < kShortestDrive_m)
+          c.rays = 0;  // missing returns may be due to the surroundings
       }
       append_arcs(&cells[row * per_row], per_row, static_cast<int>(row), found.back());
     }

@@ -1,5 +1,3 @@
-#include "optim/data/range_bias.hpp"
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
@@ -12,6 +10,7 @@
 #include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/base/metrics.hpp"
+#include "optim/data/sensor_learning.hpp"
 #include "optim/init/points/point_tree.hpp"
 #include "optim/init/points/points.hpp"
 

@@ -1,5 +1,3 @@
-#include "optim/data/range_limit.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <variant>
@@ -7,6 +5,7 @@
 
 #include "io/log/frame_files.hpp"
 #include "optim/base/frames.hpp"
+#include "optim/data/sensor_learning.hpp"
 
 namespace simuli {
 namespace {
@@ -14,7 +13,7 @@ namespace {
 constexpr double kLast_m = 1.0;
 constexpr std::size_t kFewest = 50;  // returns in the last metre
 constexpr double kLeastShare = 0.5;  // relative to the metre before
-constexpr double kStep_m = 0.1;  // limits are rounded
+constexpr double kStep_m = 0.1;      // limits are rounded
 
 }  // namespace
 

@@ -2,10 +2,6 @@
 
 #include <utility>
 
-#include "optim/data/ego_vehicle.hpp"
-#include "optim/data/range_bias.hpp"
-#include "optim/data/range_limit.hpp"
-
 namespace simuli {
 
 Log with_learned_sensors(Log log, const FrameSelection& frames) {

@@ -18,7 +18,7 @@ struct EvalOptions {
   std::optional<double> held_out_middle = {};                     // share of the path, around its middle
   std::optional<double> held_out_last = {};                       // share of the path, at its end
   std::optional<std::vector<std::string>> held_out_sensors = {};  // all frames of these
-  int timed_renders = 5;  // after a first render that warms up
+  int timed_renders = 5;                                          // after a first render that warms up
   double actor_min_travel_m = 1.0;
   RenderOptions render = {};
 };
@@ -44,5 +44,10 @@ constexpr void visit_fields(EvalOptions& o, F&& field) {
 
 /// Throws Error{kUsage} with the key of an option outside its range.
 void check(const EvalOptions& options);
+
+/// Returns the options of `simuli eval --quality QUALITY --set SETTING...`: an empty quality is balanced; each
+/// setting is "key=value", including "image_scale", "held_out_every", "held_out_middle" and "held_out_last".
+/// Throws Error{kUsage} with key, found and allowed value.
+[[nodiscard]] EvalOptions eval_options(const std::string& quality, const std::vector<std::string>& settings);
 
 }  // namespace simuli

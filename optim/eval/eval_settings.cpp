@@ -1,7 +1,6 @@
-#include "optim/eval/eval_settings.hpp"
-
 #include "host/core/base/fields.hpp"
-#include "host/device/render/options/render_settings.hpp"
+#include "host/device/render/options/quality.hpp"
+#include "optim/eval/eval_options.hpp"
 
 namespace simuli {
 namespace {

@@ -19,7 +19,6 @@
 #include "optim/base/evaluate_actors.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/eval/returns_near.hpp"
-#include "optim/eval/scene_sensors.hpp"
 #include "optim/eval/score_sums.hpp"
 #include "optim/eval/sweep_pair.hpp"
 #include "optim/init/initialize_actors.hpp"

@@ -4,6 +4,7 @@
 
 #include "host/device/render/scene/scene_on_device.hpp"
 #include "io/log/log.hpp"
+#include "io/scene/scene_folder.hpp"
 
 namespace simuli {
 
@@ -17,5 +18,11 @@ struct SweepPair {
 [[nodiscard]] bool is_met(const SweepPair& pair, std::size_t ray);
 /// Renders the rays of a recorded sweep. Throws Error{kInput} when the file cannot be read.
 [[nodiscard]] SweepPair render_sweep(SceneOnDevice& scene, const Log& log, const SweepFrame& frame);
+
+// Sensors of a log with the parameters that its scene has learned.
+
+/// Returns the log with mountings of sensors from the scene, by name; and for LiDARs the range limit, blind
+/// arcs and range biases from the scene.
+[[nodiscard]] Log with_sensors_of(const SceneFile& scene, Log log);
 
 }  // namespace simuli

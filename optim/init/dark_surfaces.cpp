@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "host/core/base/parallel.hpp"
-#include "host/core/scene/ground/ground_mesh.hpp"
+#include "host/core/scene/ground/ground_map.hpp"
 #include "host/device/render/scene/actor_boxes.hpp"
 #include "io/log/frame_files.hpp"
 #include "optim/init/dark_still.hpp"

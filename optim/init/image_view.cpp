@@ -22,14 +22,14 @@ Pose ImageView::scene_from_camera(const Eigen::Vector2d& pixel) const {
 bool ImageView::project(const Eigen::Vector3d& p_scene, Eigen::Vector2d& pixel, double& range_m) const {
   // Motion during the read-out shifts a point by far less than a quarter of the picture; points farther outside
   // cannot enter it. Each iteration contracts by (shift / height): three are sufficient.
-  constexpr OwnTimeObservations kLooks{.most = 3, .settled_px = 0.01, .margin = 0.25};
+  constexpr OwnTimeAccuracy kAccuracy{.most = 3, .settled_px = 0.01, .margin = 0.25};
   Eigen::Vector3d p_camera;
   const auto at = [&](double share) -> const Eigen::Vector3d& {
     if (share == 0.5) return p_camera = camera_from_scene_mid_ * p_scene;
     const Pose pose = interpolate(start_, end_, share);
     return p_camera = pose.rotation.conjugate() * (p_scene - pose.translation);
   };
-  const std::optional<OwnTimeImage> image = image_at_own_time(camera_, at, kLooks);
+  const std::optional<OwnTimeImage> image = image_at_own_time(camera_, at, kAccuracy);
   if (!image) return false;
   pixel = image->pixel;
   range_m = p_camera.norm();

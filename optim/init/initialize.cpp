@@ -12,7 +12,7 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/fields.hpp"
-#include "host/core/scene/ground/ground_mesh.hpp"
+#include "host/core/scene/ground/ground_map.hpp"
 #include "io/splat/ply.hpp"
 #include "optim/base/frames.hpp"
 #include "optim/init/dark_surfaces.hpp"
@@ -25,10 +25,10 @@
 #include "optim/init/initialize_unseen.hpp"
 #include "optim/init/initialize_views.hpp"
 #include "optim/init/initialize_walls.hpp"
+#include "optim/init/points/points.hpp"
 #include "optim/init/posed_frames.hpp"
 #include "optim/init/sky.hpp"
 #include "optim/init/walls_upward.hpp"
-#include "optim/init/points/points.hpp"
 
 namespace simuli {
 namespace {
@@ -70,32 +70,34 @@ PointSet keep_static(const PointSet& points, const std::vector<bool>& moved) {
 }
 
 /// Keeps the points at `indices` and their observations.
-void keep(PointSet& points, std::vector<PointObservation>& looks, const std::vector<std::uint32_t>& indices) {
+void keep(PointSet& points,
+          std::vector<PointObservation>& observations,
+          const std::vector<std::uint32_t>& indices) {
   std::vector<PointObservation> kept_observations;
   kept_observations.reserve(indices.size());
-  for (const std::uint32_t i : indices) kept_observations.push_back(looks[i]);
+  for (const std::uint32_t i : indices) kept_observations.push_back(observations[i]);
   points = points.subset(indices);
-  looks = std::move(kept_observations);
+  observations = std::move(kept_observations);
 }
 
 /// Drops points that no image saw. Returns their number.
-std::size_t keep_seen(PointSet& points, std::vector<PointObservation>& looks) {
+std::size_t keep_seen(PointSet& points, std::vector<PointObservation>& observations) {
   std::vector<std::uint32_t> seen;
-  for (std::size_t i = 0; i < looks.size(); ++i) {
-    if (std::isfinite(looks[i].range_m)) seen.push_back(static_cast<std::uint32_t>(i));
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (std::isfinite(observations[i].range_m)) seen.push_back(static_cast<std::uint32_t>(i));
   }
   const std::size_t unseen = points.size() - seen.size();
-  keep(points, looks, seen);
+  keep(points, observations, seen);
   return unseen;
 }
 
 /// Thins to `limit` points. Returns the number of dropped points.
 std::size_t keep_some(PointSet& points,
-                      std::vector<PointObservation>& looks,
+                      std::vector<PointObservation>& observations,
                       std::size_t limit,
                       std::uint64_t seed) {
   const std::size_t count = points.size();
-  keep(points, looks, thin(count, limit, seed));
+  keep(points, observations, thin(count, limit, seed));
   return count - points.size();
 }
 
@@ -200,9 +202,9 @@ class Initialisation {
   Scene& scene_ = out_.scene;
   InitReport& report_ = out_.report;
   std::optional<ActorPoints> actors_;
-  PointSet points_;  // background, one per voxel
-  std::vector<PointObservation> looks_;  // at points_, followed by the actors' points
-  std::vector<ImageView> views_;  // [images_]
+  PointSet points_;                             // background, one per voxel
+  std::vector<PointObservation> observations_;  // at points_, followed by the actors' points
+  std::vector<ImageView> views_;                // [images_]
   std::optional<FarShell> shell_, sky_;
   std::size_t ground_begin_ = 0, ground_end_ = 0;  // ground points that no LiDAR reached, range in points_
 };
@@ -349,7 +351,7 @@ void Initialisation::take_colours() {
                  options_.shell_distance_m > 0.0 ? options_.shell_distance_m : shell_distance_m(extent_m));
   const bool has_environment = options_.environment_width > 0;
   sky_.emplace(has_environment ? 360.0 / options_.environment_width : kShellSpacing_deg, kInfinitelyFar_m);
-  looks_.resize(points_.size() + actors_->camera_count());
+  observations_.resize(points_.size() + actors_->camera_count());
   const PointBlocks blocks(points_);
   expect(log_, images_, frames_.image_scale);
   for (const ImageFrame* frame : images_) {
@@ -362,17 +364,18 @@ void Initialisation::take_colours() {
     const std::vector<std::uint32_t> near = blocks.seen_from(view);
     const PointSet placed = actors_->placed(points_.subset(near), middle_s(*frame), view);
     std::vector<PointObservation> own;
-    for (const std::uint32_t i : near) own.push_back(looks_[i]);
-    own.insert(own.end(), looks_.begin() + static_cast<std::ptrdiff_t>(points_.size()), looks_.end());
+    for (const std::uint32_t i : near) own.push_back(observations_[i]);
+    own.insert(
+        own.end(), observations_.begin() + static_cast<std::ptrdiff_t>(points_.size()), observations_.end());
     Coverage coverage = look_at_points(view, image, placed, options_.voxel_m, cell_px, own);
-    for (std::size_t i = 0; i < near.size(); ++i) looks_[near[i]] = own[i];
+    for (std::size_t i = 0; i < near.size(); ++i) observations_[near[i]] = own[i];
     std::copy(own.begin() + static_cast<std::ptrdiff_t>(near.size()),
               own.end(),
-              looks_.begin() + static_cast<std::ptrdiff_t>(points_.size()));
+              observations_.begin() + static_cast<std::ptrdiff_t>(points_.size()));
     actors_->cover(view, middle_s(*frame), coverage);
-    const std::vector<FarObservation> looks = far_observations(view, image, coverage);
-    if (options_.max_shell > 0) shell_->add(looks);
-    if (has_environment) sky_->add(looks);
+    const std::vector<FarObservation> observations = far_observations(view, image, coverage);
+    if (options_.max_shell > 0) shell_->add(observations);
+    if (has_environment) sky_->add(observations);
     step();
   }
   report_.images = images_.size();
@@ -384,36 +387,37 @@ std::size_t Initialisation::keep_seen_ground() {
   std::size_t ground = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const bool is_ground = i >= ground_begin_ && i < ground_end_;
-    if (is_ground && !std::isfinite(looks_[i].range_m)) continue;
+    if (is_ground && !std::isfinite(observations_[i].range_m)) continue;
     ground += is_ground ? 1 : 0;
     kept.push_back(static_cast<std::uint32_t>(i));
   }
-  keep(points_, looks_, kept);
+  keep(points_, observations_, kept);
   return ground;
 }
 
 void Initialisation::place_camera_set() {
-  auto actor_observations = actors_->split(looks_, points_.size());
-  looks_.resize(points_.size());
+  auto actor_observations = actors_->split(observations_, points_.size());
+  observations_.resize(points_.size());
   report_.ground_points = keep_seen_ground();
-  const UnseenSurfaces unseen = unseen_surfaces(points_, looks_, views_, options_);
-  report_.unseen_points = keep_seen(points_, looks_) - unseen.points;
-  report_.joined_points = join_by_footprint(points_, looks_, options_.voxel_m, kCameraVoxel_px);
-  report_.camera_thinned = keep_some(points_, looks_, options_.max_camera, frames_.seed);
+  const UnseenSurfaces unseen = unseen_surfaces(points_, observations_, views_, options_);
+  report_.unseen_points = keep_seen(points_, observations_) - unseen.points;
+  report_.joined_points = join_by_footprint(points_, observations_, options_.voxel_m, kCameraVoxel_px);
+  report_.camera_thinned = keep_some(points_, observations_, options_.max_camera, frames_.seed);
   report_.joined_points += unseen.points - unseen.cells.size();
   const auto unseen_kept = thin(unseen.cells.size(), options_.max_camera - points_.size(), frames_.seed);
   report_.camera_thinned += unseen.cells.size() - unseen_kept.size();
 
   const std::vector<FarShell::Patch> patches = shell_->patches(kShellOpenShare);
   const auto shell_kept = thin(patches.size(), options_.max_shell, frames_.seed);
-  scene_.camera = camera_set(points_, looks_, options_);
+  scene_.camera = camera_set(points_, observations_, options_);
   append(scene_.camera, unseen_set(unseen, unseen_kept, options_), 0);
   append(scene_.camera, shell_set(*shell_, patches, shell_kept, options_), 0);
   for (std::size_t i = 0; i < scene_.actors.size(); ++i) {
     PointSet seen = actors_->camera_points()[i];
     static_cast<void>(keep_seen(seen, actor_observations[i]));
     static_cast<void>(keep_some(seen, actor_observations[i], options_.max_camera, frames_.seed));
-    append(scene_.camera, camera_set(seen, actor_observations[i], options_), static_cast<std::uint32_t>(i + 1));
+    append(
+        scene_.camera, camera_set(seen, actor_observations[i], options_), static_cast<std::uint32_t>(i + 1));
   }
   if (!patches.empty()) scene_.camera_background = sky_colour(patches);
   if (options_.environment_width > 0) {

@@ -18,8 +18,8 @@ namespace {
 
 /// Where the ground is unknown, the lowest part of a box counts as road.
 constexpr double kRoad_m = 0.1;
-constexpr double kGround_m = 0.05;  // height tolerance of ground points ...
-constexpr double kLow_m = 0.3;  // ... in this lowest part of a box
+constexpr double kGround_m = 0.05;   // height tolerance of ground points ...
+constexpr double kLow_m = 0.3;       // ... in this lowest part of a box
 constexpr double kHoleVoxels = 2.0;  // voxel side of hole points relative to the actor's points
 
 /// Ground height from background points.
@@ -284,10 +284,10 @@ void ActorPoints::cover(const ImageView& view, double time_s, Coverage& coverage
       kCellsPerThread);
 }
 
-std::vector<std::vector<PointObservation>> ActorPoints::split(const std::vector<PointObservation>& looks,
-                                                       std::size_t background_count) const {
+std::vector<std::vector<PointObservation>> ActorPoints::split(
+    const std::vector<PointObservation>& observations, std::size_t background_count) const {
   std::vector<std::vector<PointObservation>> out;
-  auto at = looks.begin() + static_cast<std::ptrdiff_t>(background_count);
+  auto at = observations.begin() + static_cast<std::ptrdiff_t>(background_count);
   for (const PointSet& points : camera_points_) {
     const auto end = at + static_cast<std::ptrdiff_t>(points.size());
     out.emplace_back(at, end);

@@ -19,7 +19,7 @@ inline constexpr double kActorPointVoxel_m = 0.05;
 
 struct ActorPointOptions {
   double voxel_m = kActorPointVoxel_m;
-  double margin_m = 0.1;  // margin added to boxes for inexact labels
+  double margin_m = 0.1;         // margin added to boxes for inexact labels
   bool register_tracks = false;  // corrects tracks by the returns (actor_tracks.hpp)
 };
 
@@ -66,8 +66,8 @@ class ActorPoints {
   /// Marks cells that see a box, which do not show background.
   void cover(const ImageView& view, double time_s, Coverage& coverage) const;
   /// Splits the observations after those of `background_count` points by actor.
-  [[nodiscard]] std::vector<std::vector<PointObservation>> split(const std::vector<PointObservation>& looks,
-                                                          std::size_t background_count) const;
+  [[nodiscard]] std::vector<std::vector<PointObservation>> split(
+      const std::vector<PointObservation>& observations, std::size_t background_count) const;
 
  private:
   struct Return {

@@ -14,15 +14,15 @@ constexpr float kOpacityLogit = 0.0F;  // 0.5: the first steps can change it eit
 /// Hit and drop logits of +-1.5: a hit probability of 0.95 with a useful gradient.
 constexpr float kHitLogit = 1.5F;
 constexpr float kUntaughtOpacityLogit = 2.0F;  // 0.88: no distance loss will raise it
-constexpr float kUnseenOpacityLogit = 2.0F;  // 0.88, for particles without another particle at their place
-constexpr float kFlat = 0.5F;  // largest ratio of thickness to width
+constexpr float kUnseenOpacityLogit = 2.0F;    // 0.88, for particles without another particle at their place
+constexpr float kFlat = 0.5F;                  // largest ratio of thickness to width
 /// Standard deviation of a camera particle relative to the distance to its neighbours (docs/DECISIONS.md,
 /// "Initialisation").
 constexpr double kCameraScale = 0.5;
 constexpr double kFlatRatio = 0.2;  // ratio of thickness to width of a planar particle
 constexpr double kThinnest_m = 0.01;
 constexpr double kShellFlatRatio = 0.1;
-constexpr double kShellScale = 0.8;  // standard deviation relative to the spacing of its cells
+constexpr double kShellScale = 0.8;         // standard deviation relative to the spacing of its cells
 constexpr float kShellOpacityLogit = 3.0F;  // 0.95
 
 void set_shape(GaussianSet& set,
@@ -99,13 +99,13 @@ GaussianSet unmet_set(const PointSet& points, const InitOptions& options) {
 }
 
 GaussianSet camera_set(const PointSet& points,
-                       const std::vector<PointObservation>& looks,
+                       const std::vector<PointObservation>& observations,
                        const InitOptions& options) {
   GaussianSet set(SetKind::kCamera, options.camera_sh_degree, static_cast<Eigen::Index>(points.size()));
   const std::vector<LocalShape> shapes = local_shapes(points);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    set_on_point(set, points, i, shapes[i], looks[i].footprint_m, kCameraScale, options);
-    set_colour(set, i, looks[i].colour);
+    set_on_point(set, points, i, shapes[i], observations[i].footprint_m, kCameraScale, options);
+    set_colour(set, i, observations[i].colour);
   }
   return set;
 }

@@ -24,9 +24,9 @@ namespace simuli {
 /// Makes LiDAR particles that no training ray hits: opaque from the start, because they are not trained.
 [[nodiscard]] GaussianSet unmet_set(const PointSet& points, const InitOptions& options);
 
-/// Makes a camera particle on every point, coloured by `looks`.
+/// Makes a camera particle on every point, coloured by `observations`.
 [[nodiscard]] GaussianSet camera_set(const PointSet& points,
-                                     const std::vector<PointObservation>& looks,
+                                     const std::vector<PointObservation>& observations,
                                      const InitOptions& options);
 
 /// Makes particles on the cells at the indices `kept`: opaque from the start, because no picture trains them.

@@ -43,7 +43,8 @@ std::array<Eigen::Vector3d, 4> moves_of(const ImageView& view, double off_path_m
   Eigen::Vector3d origin, forward;
   view.unproject({0.5 * camera.width, 0.5 * camera.height}, origin, forward);
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d left = up.cross(forward).normalized();  // zero for a camera that looks straight down
+  const Eigen::Vector3d left =
+      up.cross(forward).normalized();  // zero for a camera that observations straight down
   return {Eigen::Vector3d::Zero(), off_path_m * left, -off_path_m * left, off_path_m * up};
 }
 
@@ -95,12 +96,12 @@ Likeness likeness(const Eigen::Vector3f& p,
 
 /// Returns the points that may lend their colour: `seen` without points in few pictures, unless all are.
 std::vector<std::uint32_t> lenders_of(const std::vector<std::uint32_t>& seen,
-                                      const std::vector<PointObservation>& looks,
+                                      const std::vector<PointObservation>& observations,
                                       std::size_t views) {
   const auto least = static_cast<std::uint32_t>(std::min<std::size_t>(kWitnesses, views));
   std::vector<std::uint32_t> out;
   for (const std::uint32_t i : seen) {
-    const PointObservation& look = looks[i];
+    const PointObservation& look = observations[i];
     if (look.images >= least && look.colours.sizes().maxCoeff() < kAlike) out.push_back(i);
   }
   return out.empty() ? seen : out;
@@ -126,12 +127,12 @@ Eigen::Vector3f colour_alike(const Likeness& query,
 }  // namespace
 
 UnseenSurfaces unseen_surfaces(const PointSet& points,
-                               const std::vector<PointObservation>& looks,
+                               const std::vector<PointObservation>& observations,
                                const std::vector<ImageView>& views,
                                const InitOptions& options) {
   std::vector<std::uint32_t> seen, unseen;
-  for (std::size_t i = 0; i < looks.size(); ++i) {
-    (std::isfinite(looks[i].range_m) ? seen : unseen).push_back(static_cast<std::uint32_t>(i));
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    (std::isfinite(observations[i].range_m) ? seen : unseen).push_back(static_cast<std::uint32_t>(i));
   }
   UnseenSurfaces out;
   if (seen.empty() || !(options.off_path_m > 0.0)) return out;
@@ -156,12 +157,12 @@ UnseenSurfaces unseen_surfaces(const PointSet& points,
       own, out.cells, {.voxel_m = options.voxel_m, .scale = kCellScale, .max_m = options.max_scale_m});
 
   const std::vector<LocalShape> shapes = local_shapes(points);
-  const std::vector<std::uint32_t> lenders = lenders_of(seen, looks, views.size());
+  const std::vector<std::uint32_t> lenders = lenders_of(seen, observations, views.size());
   std::vector<Eigen::Vector3f> colours;
   Likenesses known(static_cast<Eigen::Index>(lenders.size()), kLikeness);
   for (std::size_t k = 0; k < lenders.size(); ++k) {
     const std::uint32_t i = lenders[k];
-    colours.push_back(looks[i].colour);
+    colours.push_back(observations[i].colour);
     known.row(static_cast<Eigen::Index>(k)) =
         likeness(points.position.col(i), points.intensity[i], shapes[i].planar, shapes[i].scene_from_local);
   }

@@ -17,16 +17,16 @@ namespace simuli {
 /// to either side or upwards. No picture trains them, so they are made closed like those of the LiDAR set.
 struct UnseenSurfaces {
   std::vector<SurfaceCell> cells;
-  std::vector<SurfaceShape> shapes;  // [cells]
+  std::vector<SurfaceShape> shapes;      // [cells]
   std::vector<Eigen::Vector3f> colours;  // [cells], of what pictures show nearby that faces, reflects and
                                          // lies high alike
-  std::size_t points = 0;  // points that the cells represent
+  std::size_t points = 0;                // points that the cells represent
 };
 
-/// `looks`: [points], observations in the pictures of `views`. Empty when no point is observed, or off_path_m
+/// `observations`: [points], observations in the pictures of `views`. Empty when no point is observed, or off_path_m
 /// is 0.
 [[nodiscard]] UnseenSurfaces unseen_surfaces(const PointSet& points,
-                                             const std::vector<PointObservation>& looks,
+                                             const std::vector<PointObservation>& observations,
                                              const std::vector<ImageView>& views,
                                              const InitOptions& options);
 

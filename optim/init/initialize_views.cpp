@@ -175,11 +175,12 @@ Coverage look_at_points(const ImageView& view,
                         const PointSet& points,
                         double point_size_m,
                         int cell_px,
-                        std::vector<PointObservation>& looks) {
+                        std::vector<PointObservation>& observations) {
   const Camera& camera = view.camera();
   if (image.width != camera.width || image.height != camera.height || image.channels != 3 ||
-      looks.size() != points.size() || cell_px < 1) {
-    throw Error(ErrorKind::kInternal, "look_at_points: image, camera, points and looks do not fit together");
+      observations.size() != points.size() || cell_px < 1) {
+    throw Error(ErrorKind::kInternal,
+                "look_at_points: image, camera, points and observations do not fit together");
   }
   Coverage coverage;
   coverage.cell_px = cell_px;
@@ -199,7 +200,7 @@ Coverage look_at_points(const ImageView& view,
   // ... second pass: colours of points that no nearer point occludes.
   parallel_each(seen.size(), [&](std::size_t i) {
     const SeenPoint& s = seen[i];
-    PointObservation& look = looks[s.index];
+    PointObservation& look = observations[s.index];
     if (nearest.hide(s.pixel, s.range_m)) return;
     const Eigen::Vector3f colour = sample_bilinear<3>(image, s.pixel);
     ++look.images;
@@ -214,7 +215,7 @@ Coverage look_at_points(const ImageView& view,
 }
 
 std::size_t join_by_footprint(PointSet& points,
-                              std::vector<PointObservation>& looks,
+                              std::vector<PointObservation>& observations,
                               double finest_m,
                               double pixels) {
   struct Key {
@@ -225,7 +226,7 @@ std::size_t join_by_footprint(PointSet& points,
   };
   std::vector<Key> keys(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double side_m = std::max(finest_m, pixels * static_cast<double>(looks[i].footprint_m));
+    const double side_m = std::max(finest_m, pixels * static_cast<double>(observations[i].footprint_m));
     const int level = static_cast<int>(std::lround(std::log2(side_m / finest_m)));
     const Eigen::Vector3d voxel =
         (points.position.col(static_cast<Eigen::Index>(i)).cast<double>() / std::ldexp(finest_m, level))
@@ -244,14 +245,14 @@ std::size_t join_by_footprint(PointSet& points,
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     Eigen::Vector3d colour = Eigen::Vector3d::Zero();
     double intensity = 0.0;
-    PointObservation closest = looks[keys[begin].index];
+    PointObservation closest = observations[keys[begin].index];
     for (; end < keys.size() && keys[end].level == keys[begin].level && keys[end].voxel == keys[begin].voxel;
          ++end) {
       const std::uint32_t i = keys[end].index;
       position += points.position.col(i).cast<double>();
-      colour += looks[i].colour.cast<double>();
+      colour += observations[i].colour.cast<double>();
       intensity += static_cast<double>(points.intensity[i]);
-      if (looks[i].range_m < closest.range_m) closest = looks[i];
+      if (observations[i].range_m < closest.range_m) closest = observations[i];
     }
     const auto count = static_cast<double>(end - begin);
     closest.colour = (colour / count).cast<float>();
@@ -262,7 +263,7 @@ std::size_t join_by_footprint(PointSet& points,
   out.position.conservativeResize(Eigen::NoChange, static_cast<Eigen::Index>(out.size()));
   const std::size_t joined = points.size() - out.size();
   points = std::move(out);
-  looks = std::move(out_observations);
+  observations = std::move(out_observations);
   return joined;
 }
 
@@ -283,7 +284,9 @@ FarShell::FarShell(double spacing_deg, double distance_m)
   }
 }
 
-std::vector<FarObservation> far_observations(const ImageView& view, const Image& image, const Coverage& coverage) {
+std::vector<FarObservation> far_observations(const ImageView& view,
+                                             const Image& image,
+                                             const Coverage& coverage) {
   const std::size_t count = coverage.covered.size(), columns = static_cast<std::size_t>(coverage.columns);
   std::vector<std::optional<FarObservation>> of_cell(count);
   parallel_each(
@@ -307,8 +310,8 @@ std::vector<FarObservation> far_observations(const ImageView& view, const Image&
   return out;
 }
 
-void FarShell::add(const std::vector<FarObservation>& looks) {
-  for (const FarObservation& look : looks) {
+void FarShell::add(const std::vector<FarObservation>& observations) {
+  for (const FarObservation& look : observations) {
     if (look.origin.norm() < distance_m_) continue;
     throw Error(
         ErrorKind::kInput,
@@ -317,18 +320,18 @@ void FarShell::add(const std::vector<FarObservation>& looks) {
                     look.origin.norm(),
                     distance_m_));
   }
-  std::vector<Meeting> met(looks.size());
+  std::vector<Meeting> met(observations.size());
   parallel_each(
-      looks.size(), [&](std::size_t i) { met[i] = meeting(looks[i]); }, kCellsPerThread);
+      observations.size(), [&](std::size_t i) { met[i] = meeting(observations[i]); }, kCellsPerThread);
   // In order, because sums are rounded.
-  for (std::size_t i = 0; i < looks.size(); ++i) {
+  for (std::size_t i = 0; i < observations.size(); ++i) {
     Cell& cell = cells_[met[i].cell];
-    if (!looks[i].colour) {
+    if (!observations[i].colour) {
       cell.hidden += 1.0;
       continue;
     }
     cell.direction += met[i].from_origin;
-    cell.colour += looks[i].colour->cast<double>();
+    cell.colour += observations[i].colour->cast<double>();
     cell.open += 1.0;
   }
 }

@@ -67,10 +67,10 @@ struct SeenPoint {
 /// The nearest observation of a point over all images so far, and a summary of all observations.
 struct PointObservation {
   float range_m = std::numeric_limits<float>::infinity();  // +inf: not seen
-  float footprint_m = 0.0F;  // size of a pixel at that range
+  float footprint_m = 0.0F;                                // size of a pixel at that range
   Eigen::Vector3f colour = Eigen::Vector3f::Zero();        // [0,1]
-  std::uint32_t images = 0;  // number of images that show it
-  Eigen::AlignedBox3f colours = {};  // range of the colours in these
+  std::uint32_t images = 0;                                // number of images that show it
+  Eigen::AlignedBox3f colours = {};                        // range of the colours in these
 };
 
 /// Cells of a picture that contain at least one point.
@@ -116,14 +116,14 @@ class NearestPoints {
 
 /// Observes all points in one image: each point that is not occluded and that no earlier image observed from
 /// nearer takes this image's colour. A point occludes a disc of diameter `point_size_m`. `image` has the size
-/// of the view's camera and 3 channels; looks: [points]. Returns the coverage by points in cells of `cell_px`
+/// of the view's camera and 3 channels; observations: [points]. Returns the coverage by points in cells of `cell_px`
 /// pixels.
 Coverage look_at_points(const ImageView& view,
                         const Image& image,
                         const PointSet& points,
                         double point_size_m,
                         int cell_px,
-                        std::vector<PointObservation>& looks);
+                        std::vector<PointObservation>& observations);
 
 /// Smallest width in pixels of the camera set's voxels in their nearest picture (docs/DECISIONS.md,
 /// "Initialisation").
@@ -133,7 +133,7 @@ inline constexpr double kCameraVoxel_px = 3.0;
 /// power of two nearest to `pixels` pixels of the nearest observation (at least finest_m). Sorts points by side
 /// and voxel; returns the number of removed points.
 std::size_t join_by_footprint(PointSet& points,
-                              std::vector<PointObservation>& looks,
+                              std::vector<PointObservation>& observations,
                               double finest_m,
                               double pixels);
 
@@ -192,21 +192,21 @@ class PointBlocks {
     std::size_t first = 0;  // index in order_ of its first point; the next block follows
   };
   static constexpr float kSide_m = 2.0F;  // side of a block's cube
-  std::vector<std::uint32_t> order_;  // points, block by block
+  std::vector<std::uint32_t> order_;      // points, block by block
   std::vector<Block> blocks_;
 };
 
 /// A picture's view along a ray beyond the points, which may occlude it.
 struct FarObservation {
-  Eigen::Vector3d origin, direction;  // in the scene frame
+  Eigen::Vector3d origin, direction;      // in the scene frame
   std::optional<Eigen::Vector3f> colour;  // no value: occluded
 };
 
 /// Returns observations at the centres of the cells of `coverage` that have a ray; empty cells with empty
 /// neighbours are not occluded.
 [[nodiscard]] std::vector<FarObservation> far_observations(const ImageView& view,
-                                             const Image& image,
-                                             const Coverage& coverage);
+                                                           const Image& image,
+                                                           const Coverage& coverage);
 
 /// Directions in which images show objects without points: one averaged colour per cell of an equal-angle grid
 /// around the scene origin, at one distance.
@@ -215,7 +215,7 @@ class FarShell {
   /// Throws Error{kUsage} unless 0.05 <= spacing_deg <= 45 and distance_m > 0.
   FarShell(double spacing_deg, double distance_m);
   /// Throws Error{kInput} unless the rays begin inside the shell.
-  void add(const std::vector<FarObservation>& looks);
+  void add(const std::vector<FarObservation>& observations);
 
   struct Patch {
     Eigen::Vector3f direction;  // unit, from the scene origin

@@ -15,21 +15,21 @@
 namespace simuli {
 namespace {
 
-constexpr float kUpright = 0.25F;  // largest upward component of a normal
-constexpr double kTopReach_m = 2.0;  // below the top, where a wall is detected
-constexpr std::size_t kLeastPoints = 3;  // in that range
-constexpr float kLeastHigh_m = 1.0F;  // smallest height of these points: tree crowns bend
-constexpr float kOneWay = 0.7F;  // smallest length of the mean normal
-constexpr double kHighest_m = 15.0;  // above the top
+constexpr float kUpright = 0.25F;         // largest upward component of a normal
+constexpr double kTopReach_m = 2.0;       // below the top, where a wall is detected
+constexpr std::size_t kLeastPoints = 3;   // in that range
+constexpr float kLeastHigh_m = 1.0F;      // smallest height of these points: tree crowns bend
+constexpr float kOneWay = 0.7F;           // smallest length of the mean normal
+constexpr double kHighest_m = 15.0;       // above the top
 constexpr double kFarthestLook_m = 60.0;  // observations from farther away are ignored
-constexpr double kWidest_m = 1.2;  // largest size of a pixel on the wall
+constexpr double kWidest_m = 1.2;         // largest size of a pixel on the wall
 constexpr std::size_t kMinObservations = 3;
-constexpr float kAgreeing = 0.7F;  // share of the observations
-constexpr int kAlikeOf255 = 15;  // largest difference per colour channel
-constexpr float kEdge = 0.06F;  // smallest difference between neighbours
-constexpr double kGap_m = 1.6;  // largest vertical gap without agreement
-constexpr double kFinest_m = 0.1;  // spacing of tested positions
-constexpr double kLeastAlong = 0.5;  // smallest share of a wall's columns present
+constexpr float kAgreeing = 0.7F;     // share of the observations
+constexpr int kAlikeOf255 = 15;       // largest difference per colour channel
+constexpr float kEdge = 0.06F;        // smallest difference between neighbours
+constexpr double kGap_m = 1.6;        // largest vertical gap without agreement
+constexpr double kFinest_m = 0.1;     // spacing of tested positions
+constexpr double kLeastAlong = 0.5;   // smallest share of a wall's columns present
 constexpr double kOffPlane_m = 0.15;  // largest distance of columns to the plane
 constexpr double kParallelWalls = 0.97;
 constexpr double kStreak_m = 1.5;  // half length of a wall part with one height
@@ -136,17 +136,19 @@ void WallObservations::refute() {
 }
 
 void WallObservations::add(float range_m, const Eigen::Vector3f& colour) {
-  Look look{range_m, {}};
+  Observation look{range_m, {}};
   for (std::size_t c = 0; c < 3; ++c) {
     const float of_255 = 255.0F * std::clamp(colour[static_cast<Eigen::Index>(c)], 0.0F, 1.0F);
     look.colour[c] = static_cast<std::uint8_t>(std::lround(of_255));
   }
   if (count_ < kMost) {
-    looks_[count_++] = look;
+    observations_[count_++] = look;
     return;
   }
   const auto farthest = std::max_element(
-      looks_.begin(), looks_.end(), [](const Look& a, const Look& b) { return a.range_m < b.range_m; });
+      observations_.begin(), observations_.end(), [](const Observation& a, const Observation& b) {
+        return a.range_m < b.range_m;
+      });
   if (range_m < farthest->range_m) *farthest = look;
 }
 
@@ -163,8 +165,8 @@ std::optional<Eigen::Vector3f> WallObservations::agreed() const {
     Eigen::Vector3i sum = Eigen::Vector3i::Zero();
     int alike = 0;
     for (std::size_t k = 0; k < count_; ++k) {
-      const Colour& colour = looks_[k].colour;
-      if (!is_alike(looks_[i].colour, colour)) continue;
+      const Colour& colour = observations_[k].colour;
+      if (!is_alike(observations_[i].colour, colour)) continue;
       sum += Eigen::Vector3i(colour[0], colour[1], colour[2]);
       ++alike;
     }
@@ -194,9 +196,10 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
   const auto gap = static_cast<std::size_t>(std::lround(kGap_m / cell_m));
   const auto place = [&](std::size_t column, std::size_t at) {
     const WallColumn& c = columns[column];
-    return Eigen::Vector3d(c.position_m.x(), c.position_m.y(), c.top_m + (static_cast<double>(at) + 1.0) * cell_m);
+    return Eigen::Vector3d(
+        c.position_m.x(), c.position_m.y(), c.top_m + (static_cast<double>(at) + 1.0) * cell_m);
   };
-  std::vector<WallObservations> looks(columns.size() * steps);
+  std::vector<WallObservations> observations(columns.size() * steps);
   const PointBlocks blocks(points);
   if (!columns.empty()) expect(log, images, image_scale);
   for (const ImageFrame* frame : images) {
@@ -223,7 +226,7 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
             Eigen::Vector2d pixel;
             double range_m = 0.0;
             if (!view.project(place(k, s), pixel, range_m) || nearest.hide(pixel, range_m)) continue;
-            WallObservations& look = looks[k * steps + s];
+            WallObservations& look = observations[k * steps + s];
             if (nearest.are_seen_through(pixel, range_m)) {
               look.refute();
             } else {
@@ -237,7 +240,7 @@ std::size_t WallsAbove::add_to(PointSet& points, const std::function<void()>& st
   std::vector<double> tops(columns.size());
   for (std::size_t k = 0; k < columns.size(); ++k) {
     std::vector<std::optional<Eigen::Vector3f>> agreed(steps);
-    for (std::size_t s = 0; s < steps; ++s) agreed[s] = looks[k * steps + s].agreed();
+    for (std::size_t s = 0; s < steps; ++s) agreed[s] = observations[k * steps + s].agreed();
     tops[k] = columns[k].top_m + static_cast<double>(wall_steps(agreed, gap)) * cell_m;
   }
   // A wall's height is the median of its columns.

@@ -19,9 +19,9 @@ namespace simuli {
 /// The highest returns of a wall, and the pictures' colours above.
 struct WallColumn {
   Eigen::Vector2d position_m;  // scene x, y
-  Eigen::Vector2d normal;   // unit, horizontal; to either side
-  double top_m = 0.0;       // scene z
-  float intensity = 0.0F;   // mean
+  Eigen::Vector2d normal;      // unit, horizontal; to either side
+  double top_m = 0.0;          // scene z
+  float intensity = 0.0F;      // mean
 };
 /// Finds columns of vertical points, one per square of side cell_m with enough of them, sorted by square.
 [[nodiscard]] std::vector<WallColumn> wall_columns(const PointSet& points, double cell_m);
@@ -46,11 +46,11 @@ class WallObservations {
  private:
   static constexpr std::size_t kMost = 8;
   using Colour = std::array<std::uint8_t, 3>;  // compact, because there are many positions
-  struct Look {
+  struct Observation {
     float range_m;
     Colour colour;
   };
-  std::array<Look, kMost> looks_{};
+  std::array<Observation, kMost> observations_{};
   std::uint16_t count_ = 0, refuted_ = 0;
 };
 
@@ -64,7 +64,7 @@ class WallObservations {
 struct WallsAbove {
   const Log& log;
   const std::vector<const ImageFrame*>& images;  // readable training images
-  const Eigen::Vector3d& origin;  // origin of the scene
+  const Eigen::Vector3d& origin;                 // origin of the scene
   double image_scale;
   double voxel_m;  // of the points; wall points have twice the spacing
   const ActorPoints& actors;

@@ -11,7 +11,7 @@
 #include "host/core/base/stopwatch.hpp"
 #include "io/log/log.hpp"
 #include "optim/base/packed.hpp"
-#include "optim/train/initialization_report.hpp"
+#include "optim/train/train_report.hpp"
 
 namespace simuli {
 
@@ -59,7 +59,7 @@ class InitializationCache {
   [[nodiscard]] std::optional<Packed> find(const Packed& key, InitializationReport& report) const;
   void keep(const Packed& key, const Packed& value) const;
 
-  std::filesystem::path folder_;  // empty: caching is off
+  std::filesystem::path folder_;                          // empty: caching is off
   std::map<std::filesystem::path, std::uint64_t> files_;  // checksums of files already read
 };
 

@@ -7,7 +7,6 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/fields.hpp"
 #include "host/device/render/options/quality.hpp"
-#include "host/device/render/options/render_settings.hpp"
 #include "host/device/render/options/validate.hpp"
 #include "optim/train/training_options.hpp"
 

@@ -8,7 +8,7 @@
 namespace simuli {
 
 constexpr double kDropFinalShare = 0.1;  // final share of the learning rate
-constexpr int kLooks = 10;  // steps of a function per sweep that trains it; the sweep is rendered once
+constexpr int kSteps = 10;  // steps of a function per sweep that trains it; the sweep is rendered once
 
 TrainedDrop::TrainedDrop(const Log& log, const Scene& scene, const TrainingOptions& options)
     : options_(options.train.ray_drop) {
@@ -58,7 +58,7 @@ LidarLoss TrainedDrop::learn(Pass& pass,
   std::array<double, RayDrop::kParameters> rates{};
   rates.fill(options_.rate * std::pow(kDropFinalShare, progress));
   Function function = functions_.at(lidar);
-  for (int look = 0; look < kLooks; ++look) {
+  for (int look = 0; look < kSteps; ++look) {
     function.step(pass.lidar_loss(truth, {.function_entropy = own.function_entropy}).drop, rates);
     pass.set_drop(function.value);
   }

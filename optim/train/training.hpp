@@ -12,11 +12,10 @@
 #include "io/log/log.hpp"
 #include "io/scene/scene_folder.hpp"
 #include "optim/actors/finding_options.hpp"
-#include "optim/init/init_options.hpp"
 #include "optim/data/path_report.hpp"
+#include "optim/init/init_options.hpp"
 #include "optim/train/ranks/ranks.hpp"
 #include "optim/train/train_report.hpp"
-#include "optim/train/initialization_report.hpp"
 #include "optim/train/training_options.hpp"
 
 namespace simuli {
@@ -27,7 +26,8 @@ struct TrainingReport {
   ChunkPlan chunks;
   PathReport path;
   FindReport found;  // zeros: not searched
-  std::vector<std::string> labels;  // one line per sanitised label (sanitized_labels.hpp); repeated as warnings
+  std::vector<std::string>
+      labels;  // one line per sanitised label (sanitized_labels.hpp); repeated as warnings
   std::vector<std::string> left_out;  // names of labels that were left out
   InitReport init;
   TrainReport train;

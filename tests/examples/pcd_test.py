@@ -163,7 +163,7 @@ assert np.allclose(step, [1.0, 0, 0], atol=1e-5), step
 short = work / "short.txt"
 short.write_text("\n".join(tum.read_text().splitlines()[:4]) + "\n")
 said, _, _ = check("d", timed, short, "--lidar", TABLE, "--columns", RAYS, "--mount", mount, mount=MOUNT, turns=2)
-assert "1 clouds lie beside the path and are left out" in said, said
+assert "1 clouds are outside the times of the poses and are left out" in said, said
 
 # Clouds called 8 to 12 have their poses in that order; padding of no bytes is no field, without POINTS the size is
 # WIDTH x HEIGHT; a point whose time is NaN is left out.

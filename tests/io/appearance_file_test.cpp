@@ -1,5 +1,3 @@
-#include "io/scene/appearance_file.hpp"
-
 #include <gtest/gtest.h>
 #include <limits>
 #include <utility>
@@ -7,6 +5,7 @@
 #include "io/base/file.hpp"
 #include "io/picture/image.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "io/scene/scene_parts.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

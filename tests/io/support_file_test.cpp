@@ -1,10 +1,9 @@
-#include "io/scene/support_file.hpp"
-
 #include <gtest/gtest.h>
 
 #include "io/base/file.hpp"
 #include "io/picture/image.hpp"
 #include "io/scene/scene_folder.hpp"
+#include "io/scene/scene_parts.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

@@ -1,7 +1,7 @@
 // C API of scenes, sensors and actors.
 #include "host/apps/api/c_handles.hpp"
 #include "host/core/scene/occluders.hpp"
-#include "host/device/render/options/render_settings.hpp"
+#include "host/device/render/options/quality.hpp"
 #include "io/splat/ply.hpp"
 
 using namespace simuli;

@@ -2,8 +2,8 @@
 #include <utility>
 
 #include "host/apps/api/c_handles.hpp"
-#include "io/scene/scene_output.hpp"
-#include "optim/eval/eval_settings.hpp"
+#include "io/scene/scene_folder.hpp"
+#include "optim/eval/eval_options.hpp"
 #include "optim/eval/evaluation.hpp"
 #include "optim/eval/held_out_scores.hpp"
 #include "optim/train/training.hpp"

@@ -20,14 +20,13 @@ set(SIMULI_PUBLIC_scene
   "Scenes: particles, actors, appearance, and edits of them."
   host/core/scene/mounting.hpp host/core/scene/gaussians.hpp host/core/scene/appearance.hpp host/core/scene/actor.hpp
   host/core/scene/ray_drop.hpp host/core/scene/pixel_footprint.hpp host/core/scene/visibility_sets.hpp host/core/scene/scene.hpp host/core/scene/occluders.hpp
-  host/core/scene/edit.hpp host/core/scene/moment.hpp)
+  host/core/scene/edit.hpp)
 set(SIMULI_PUBLIC_device
   "OpenCL devices. Their own handles: <simuli/opencl.h>."
   host/device/runtime/profile.hpp host/device/runtime/device.hpp)
 set(SIMULI_PUBLIC_options
   "How frames are rendered: speed against accuracy."
-  host/device/render/options/options.hpp host/device/render/options/quality.hpp
-  host/device/render/options/render_settings.hpp)
+  host/device/render/options/options.hpp host/device/render/options/quality.hpp)
 set(SIMULI_PUBLIC_render
   "A scene on a device, a sensor and a shot make a frame."
   host/device/render/scene/shot.hpp host/device/render/scene/ray_results.hpp host/device/render/scene/readings.hpp
@@ -42,7 +41,7 @@ set(SIMULI_PUBLIC_files
   "Pictures, splats, clouds, sensor files, scene folders."
   io/picture/image.hpp io/picture/sized_image.hpp io/splat/ply.hpp io/splat/splat_file.hpp
   io/splat/cloud_file.hpp
-  io/log/sensor_file.hpp io/scene/training_record.hpp io/scene/scene_folder.hpp io/scene/scene_output.hpp
+  io/log/sensor_file.hpp io/scene/training_record.hpp io/scene/scene_folder.hpp
   io/scene/sensor_rig.hpp
   io/scene/rig_file.hpp)
 set(SIMULI_PUBLIC_export
@@ -51,22 +50,22 @@ set(SIMULI_PUBLIC_export
 set(SIMULI_PUBLIC_import
   "Logs from the files of others."
   io/import/kitti/kitti.hpp io/import/kitti360/kitti360.hpp io/import/nuscenes/nuscenes.hpp
-  io/import/photos/photo_log.hpp io/import/photos/colmap.hpp io/import/photos/nerfstudio.hpp
+  io/import/photos/photo_log.hpp
   io/import/points/point_grid.hpp io/import/points/points_log.hpp io/import/ncore/ncore_log.hpp
-  io/import/ros2/ros2_clouds.hpp io/import/ros2/ros2_log.hpp
+  io/import/ros2/ros2_log.hpp
   io/import/waymo/waymo.hpp)
 set(SIMULI_PUBLIC_training
   "A scene from a log: what `simuli train` does."
   optim/data/path_report.hpp optim/actors/finding_options.hpp
-  optim/init/init_options.hpp optim/data/range_bias.hpp optim/data/ego_vehicle.hpp optim/data/range_limit.hpp
-  optim/data/sensor_learning.hpp optim/actors/pose_rates.hpp optim/train/schedule.hpp
+  optim/init/init_options.hpp optim/data/sensor_learning.hpp
+ optim/actors/pose_rates.hpp optim/train/schedule.hpp
   optim/train/paper/anchor_options.hpp optim/train/structure_options.hpp optim/train/length_options.hpp
   optim/train/train_options.hpp
   optim/complete/fixer_options.hpp optim/train/chunk/chunk_options.hpp optim/train/train_report.hpp optim/train/training_options.hpp optim/train/ranks/ranks.hpp
-  optim/train/ranks/rank_threads.hpp optim/train/initialization_report.hpp optim/train/training.hpp)
+ optim/train/training.hpp)
 set(SIMULI_PUBLIC_evaluation
   "A scene beside a log: what `simuli eval` does."
-  optim/base/metrics.hpp optim/eval/eval_options.hpp optim/eval/eval_settings.hpp
+  optim/base/metrics.hpp optim/eval/eval_options.hpp
   optim/eval/eval_frames.hpp optim/eval/eval_scores.hpp optim/eval/evaluation.hpp
   optim/eval/held_out_scores.hpp)
 set(SIMULI_PUBLIC_calibration

@@ -20,7 +20,7 @@
 #include "optim/actors/compare_actors.hpp"
 #include "optim/actors/complete_actors.hpp"
 #include "optim/actors/find_actors.hpp"
-#include "optim/data/ego_vehicle.hpp"
+#include "optim/data/sensor_learning.hpp"
 
 namespace simuli::cli {
 namespace {

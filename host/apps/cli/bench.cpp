@@ -11,7 +11,7 @@
 #include "host/apps/cli/base/commands.hpp"
 #include "host/apps/cli/base/refuse.hpp"
 #include "host/core/base/error.hpp"
-#include "io/base/regular_file.hpp"
+#include "io/base/file.hpp"
 
 namespace simuli::cli {
 namespace {

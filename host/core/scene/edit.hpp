@@ -14,15 +14,15 @@ namespace simuli {
 /// A change of an actor's motion. Its particles do not change, so a single frame can be edited without copying
 /// the scene.
 struct ActorEdit {
-  struct Remove {};  // absent from all frames
-  struct Move {  // along its whole track, in its own frame
+  struct Remove {};                                  // absent from all frames
+  struct Move {                                      // along its whole track, in its own frame
     Eigen::Vector3d by_m = Eigen::Vector3d::Zero();  // forward, left, up
   };
-  struct Turn {  // along its whole track, about its own up axis
+  struct Turn {            // along its whole track, about its own up axis
     double yaw_rad = 0.0;  // to its left
   };
-  struct Retime {  // replays the track, from its start
-    double rate = 1.0;  // speed factor, above 0
+  struct Retime {          // replays the track, from its start
+    double rate = 1.0;     // speed factor, above 0
     double delay_s = 0.0;  // later than recorded
   };
   struct Retrack {
@@ -82,5 +82,14 @@ void add_actor(Scene& scene, const Scene& other, const std::string& name, const 
 /// world_from_base, the middle of its box's base, at all times. Throws Error{kInput} for an object without
 /// particles.
 [[nodiscard]] Scene as_actor(const Scene& object, const std::string& name, const Pose& world_from_base);
+
+// A scene's particles as one set without actors, for formats without actors.
+
+/// Returns the background without actors, including the inpainted sets.
+[[nodiscard]] GaussianSet background_of(const Scene& scene, SetKind kind);
+
+/// Returns the background, followed by the actors present at that time (seconds of the log) at their positions
+/// then: m from Scene::origin.
+[[nodiscard]] GaussianSet moment_of(const Scene& scene, SetKind kind, double time_s);
 
 }  // namespace simuli

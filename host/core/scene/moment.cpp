@@ -1,10 +1,9 @@
-#include "host/core/scene/moment.hpp"
-
 #include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "host/core/scene/edit.hpp"
 #include "host/core/scene/occluders.hpp"
 #include "host/core/scene/particle_order.hpp"
 #include "host/core/scene/placement.hpp"
@@ -39,7 +38,8 @@ GaussianSet nearest_to(const Scene& scene, std::size_t visibility_set, GaussianS
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < set.size(); ++i) {
     const Eigen::Vector3d p_scene = set.mean().row(i).transpose().cast<double>();
-    if (nearest_visibility_set(scene.visibility_sets, p_scene + scene.origin) == visibility_set) rows.push_back(i);
+    if (nearest_visibility_set(scene.visibility_sets, p_scene + scene.origin) == visibility_set)
+      rows.push_back(i);
   }
   return static_cast<std::size_t>(set.size()) == rows.size() ? set : subset(set, rows);
 }
@@ -76,7 +76,8 @@ GaussianSet background_of(const Scene& scene, SetKind kind) {
   const std::vector<Occluder> occluders = occluders_of(scene);
   for (std::size_t i = 0; i < occluders.size(); ++i) {
     GaussianSet instead = of_owner(set, inpainted_number(scene, i));
-    if (occluders[i].visibility_set) instead = nearest_to(scene, *occluders[i].visibility_set, std::move(instead));
+    if (occluders[i].visibility_set)
+      instead = nearest_to(scene, *occluders[i].visibility_set, std::move(instead));
     parts.push_back(std::move(instead));
   }
   return joined(parts);

@@ -15,8 +15,8 @@ struct OwnTimeImage {
 };
 
 /// Accuracy of the iteration.
-struct OwnTimeObservations {
-  int most = 12;  // iterations after the first one at mid-frame
+struct OwnTimeAccuracy {
+  int most = 12;             // iterations after the first one at mid-frame
   double settled_px = 1e-4;  // converged below this change
   // Share of the picture's sides; a point farther outside has no image.
   double margin = std::numeric_limits<double>::infinity();
@@ -33,7 +33,7 @@ inline bool is_inside(const Camera& camera, const Eigen::Vector2d& pixel, double
 template <class PCamera>
 [[nodiscard]] std::optional<OwnTimeImage> image_at_own_time(const Camera& camera,
                                                             const PCamera& p_camera,
-                                                            const OwnTimeObservations& looks = {}) {
+                                                            const OwnTimeAccuracy& looks = {}) {
   OwnTimeImage image;
   if (!camera.project(p_camera(image.share), image.pixel)) return std::nullopt;
   if (camera.shutter == ShutterKind::kGlobal) return image;

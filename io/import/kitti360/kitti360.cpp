@@ -11,7 +11,7 @@
 
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
-#include "io/base/regular_file.hpp"
+#include "io/base/file.hpp"
 #include "io/import/kitti/kitti_parts.hpp"
 #include "io/import/kitti360/kitti360_parts.hpp"
 #include "io/log/new_log.hpp"

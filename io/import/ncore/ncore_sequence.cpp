@@ -6,11 +6,8 @@
 #include <system_error>
 
 #include "host/core/base/error.hpp"
-#include "io/base/ending.hpp"
 #include "io/base/file.hpp"
-#include "io/base/inside.hpp"
-#include "io/base/regular_file.hpp"
-#include "io/export/camera_calibration.hpp"
+#include "io/export/drive_parts.hpp"
 #include "io/ncore/names.hpp"
 
 namespace simuli::ncore {

@@ -14,9 +14,7 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
 #include "io/base/file.hpp"
-#include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
-#include "io/base/regular_file.hpp"
 #include "io/import/nuscenes/nuscenes_sweep.hpp"
 #include "io/log/new_log.hpp"
 

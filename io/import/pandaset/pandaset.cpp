@@ -14,7 +14,6 @@
 #include "host/core/base/names.hpp"
 #include "io/base/file.hpp"
 #include "io/base/json_reader.hpp"
-#include "io/base/regular_file.hpp"
 #include "io/import/pandaset/pandaset_parts.hpp"
 #include "io/log/new_log.hpp"
 #include "io/picture/image.hpp"

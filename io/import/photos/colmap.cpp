@@ -1,5 +1,3 @@
-#include "io/import/photos/colmap.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +16,7 @@
 
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/base/inside.hpp"
+#include "io/import/photos/photo_log.hpp"
 
 namespace simuli {
 namespace {

@@ -1,5 +1,3 @@
-#include "io/import/photos/nerfstudio.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,8 +13,8 @@
 
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/base/inside.hpp"
 #include "io/base/json_reader.hpp"
+#include "io/import/photos/photo_log.hpp"
 #include "io/splat/ply.hpp"
 
 namespace simuli {

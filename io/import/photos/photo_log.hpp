@@ -49,4 +49,33 @@ Log write_photo_log(PhotoSet set,
                     const FrameProgress& progress,
                     PhotoReport& report);
 
+struct ColmapOptions {
+  std::filesystem::path
+      model;  // folder of cameras, images and points3D, .bin or .txt; or a parent of sparse/0
+  std::filesystem::path images;  // folder of the photographs; empty: "images" beside the model or in a parent
+  std::filesystem::path output;
+  double metres_per_unit = 0.0;  // 0: see write_photo_log()
+};
+
+/// Reads a COLMAP model: cameras SIMPLE_PINHOLE to FULL_OPENCV, OPENCV_FISHEYE and its simpler variants; poses
+/// by name; points seen by at least three photographs, or all points if none has a track. The world is rotated
+/// such that +z is up on average. Throws Error{kInput} naming file and field for missing or truncated data, and
+/// for unsupported camera models.
+[[nodiscard]] PhotoSet read_colmap(const ColmapOptions& options);
+/// Imports the model with its photographs as write_photo_log() does.
+Log import_colmap(const ColmapOptions& options, const FrameProgress& progress, PhotoReport& report);
+
+struct NerfstudioOptions {
+  std::filesystem::path transforms;  // transforms.json, or its folder
+  std::filesystem::path output;
+  double metres_per_unit = 0.0;  // 0: see write_photo_log()
+};
+
+/// Reads posed photographs in the format of nerfstudio and instant-ngp: intrinsics per frame or for all frames,
+/// OpenGL camera axes, +z up; points of "ply_file_path" if present. Throws Error{kInput} naming file and field
+/// for missing data and for camera models other than pinholes, OPENCV and OPENCV_FISHEYE.
+[[nodiscard]] PhotoSet read_nerfstudio(const NerfstudioOptions& options);
+/// Imports them as write_photo_log() does.
+Log import_nerfstudio(const NerfstudioOptions& options, const FrameProgress& progress, PhotoReport& report);
+
 }  // namespace simuli

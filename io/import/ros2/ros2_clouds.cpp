@@ -1,5 +1,3 @@
-#include "io/import/ros2/ros2_clouds.hpp"
-
 #include <algorithm>
 #include <fmt/format.h>
 #include <set>
@@ -7,6 +5,7 @@
 #include "host/core/base/error.hpp"
 #include "io/bag/bag.hpp"
 #include "io/import/ros2/cloud_fields.hpp"
+#include "io/import/ros2/ros2_log.hpp"
 #include "io/import/ros2/ros2_scan.hpp"
 
 namespace simuli {

@@ -5,6 +5,7 @@
 //   tf2_msgs/TFMessage                  mountings, and the rig's trajectory in its parent frame
 //   nav_msgs/Odometry                   the trajectory, if no transform contains it
 // Sensors are named after their topics' parents: /sensing/front/image_raw is camera sensing_front.
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -69,5 +70,22 @@ struct Ros2Report {
 /// last stamp, frame) and one for the transforms' frames; an Error{kInput} or Error{kNothing} becomes the last
 /// note, with an empty log.
 Log import_ros2(const Ros2Options& options, const FrameProgress& progress, Ros2Report& report);
+
+// Points of a recording's clouds, for fitting a beam table before the import.
+
+using BarePoints = std::vector<Eigen::Vector3d>;  // m, in the clouds' own frame
+
+/// Clouds of one topic, without points that mean no return.
+struct Ros2Clouds {
+  std::vector<BarePoints> first;   // consecutive clouds from the start
+  std::vector<BarePoints> spread;  // evenly spaced over the recording
+};
+
+/// Returns at most the given numbers of either. Throws Error{kInput} naming file, topic and field for damaged
+/// data; Error{kUsage} for a topic without clouds, naming topics with clouds.
+[[nodiscard]] Ros2Clouds read_ros2_clouds(const std::filesystem::path& recording,
+                                          const std::string& topic,
+                                          std::size_t most_first,
+                                          std::size_t most_spread);
 
 }  // namespace simuli

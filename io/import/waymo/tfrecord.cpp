@@ -1,12 +1,11 @@
-#include "io/import/waymo/tfrecord.hpp"
-
 #include <array>
 #include <cstring>
 #include <fmt/format.h>
 #include <system_error>
 
 #include "host/core/base/error.hpp"
-#include "io/base/regular_file.hpp"
+#include "io/base/file.hpp"
+#include "io/import/waymo/waymo_frame.hpp"
 
 namespace simuli {
 

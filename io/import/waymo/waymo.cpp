@@ -13,7 +13,6 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/names.hpp"
 #include "io/base/file.hpp"
-#include "io/import/waymo/tfrecord.hpp"
 #include "io/import/waymo/waymo_frame.hpp"
 #include "io/log/new_log.hpp"
 

@@ -8,7 +8,6 @@
 #include "host/core/base/error.hpp"
 #include "host/core/scene/mounting.hpp"
 #include "io/base/gzip.hpp"
-#include "io/import/waymo/wire.hpp"
 
 namespace simuli::waymo {
 namespace {

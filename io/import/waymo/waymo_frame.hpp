@@ -4,12 +4,36 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "io/log/log.hpp"
+
+namespace simuli {
+
+/// Reads records: length, checksum, bytes, checksum. Does not verify checksums: a damaged message does not
+/// match its schema.
+class TfRecords {
+ public:
+  /// Throws Error{kInput} for an empty or unreadable file.
+  explicit TfRecords(const std::filesystem::path& file);
+  /// Returns false at the end. Throws Error{kInput} for a truncated record.
+  [[nodiscard]] bool next(std::string& record);
+  /// Size of the file and number of bytes read.
+  [[nodiscard]] std::uintmax_t size() const { return bytes_; }
+  [[nodiscard]] std::uintmax_t at() const { return at_; }
+
+ private:
+  std::string file_;
+  std::ifstream in_;
+  std::uintmax_t bytes_ = 0, at_ = 0;
+};
+
+}  // namespace simuli
 
 namespace simuli::waymo {
 
@@ -72,3 +96,26 @@ class Reader {
 [[nodiscard]] Sweep sweep_of(const Grid& grid, const Lidar& lidar);
 
 }  // namespace simuli::waymo
+
+namespace simuli {
+
+struct WireField {
+  std::uint32_t number = 0;
+  std::uint64_t value = 0;  // of a varint, or the bits of a fixed32 or fixed64
+  std::string_view bytes;   // of a string, message or packed array; also of fixed values
+  bool is_bytes = false;
+};
+
+/// Returns all fields of a message in order. Throws Error{kInput} "FILE: WHAT: ..." if they do not end at its
+/// end.
+[[nodiscard]] std::vector<WireField> wire_fields(std::string_view message,
+                                                 const std::string& file,
+                                                 const char* what);
+
+/// Appends the doubles of a field, packed or single.
+void append_doubles(const WireField& field, std::vector<double>& to);
+[[nodiscard]] double wire_double(const WireField& field);
+/// Returns a packed array of floats.
+[[nodiscard]] std::vector<float> wire_floats(std::string_view bytes);
+
+}  // namespace simuli

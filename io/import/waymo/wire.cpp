@@ -1,10 +1,9 @@
-#include "io/import/waymo/wire.hpp"
-
 #include <bit>
 #include <cstring>
 #include <fmt/format.h>
 
 #include "host/core/base/error.hpp"
+#include "io/import/waymo/waymo_frame.hpp"
 
 namespace simuli {
 

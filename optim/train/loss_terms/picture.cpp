@@ -59,15 +59,15 @@ RenderedShard PictureLossTerm::show(std::size_t shard, RealBuffer& error) {
 }
 
 void PictureLossTerm::learn(const std::vector<ShardPart>& parts, Shards& shards) {
-  std::vector<TrainedAppearance::Shard> looks;
+  std::vector<TrainedAppearance::Shard> observations;
   std::vector<FrameTimes> times;
   for (std::size_t shard = 0; shard < parts.size(); ++shard) {
     const std::size_t index = picture(shard);
-    looks.push_back({index, {parts[shard].grid, parts[shard].environment}});
+    observations.push_back({index, {parts[shard].grid, parts[shard].environment}});
     times.push_back({state_.log.images[index].time_start_s, state_.log.images[index].time_end_s});
   }
   const auto iteration = static_cast<std::uint64_t>(state_.status.iteration);
-  state_.appearance.step(looks, iteration, state_.options.iterations, shards.sum());
+  state_.appearance.step(observations, iteration, state_.options.iterations, shards.sum());
   step_set(parts, times, shards);
 }
 
@@ -79,6 +79,8 @@ void PictureLossTerm::note(std::size_t shard, std::span<const double> losses) {
 
 }  // namespace
 
-std::unique_ptr<LossTerm> picture_loss_term(TrainerState& state) { return std::make_unique<PictureLossTerm>(state); }
+std::unique_ptr<LossTerm> picture_loss_term(TrainerState& state) {
+  return std::make_unique<PictureLossTerm>(state);
+}
 
 }  // namespace simuli

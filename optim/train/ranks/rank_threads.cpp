@@ -1,5 +1,3 @@
-#include "optim/train/ranks/rank_threads.hpp"
-
 #include <condition_variable>
 #include <exception>
 #include <memory>
@@ -7,6 +5,8 @@
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "optim/train/ranks/ranks.hpp"
 
 namespace simuli {
 namespace {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <new>
 #include <span>
@@ -147,5 +148,12 @@ class RankReader {
   }
   std::span<const std::byte> left_;
 };
+
+// Ranks within one process, one thread each.
+
+/// Runs `work` concurrently for each of `count` ranks, rank 0 on the calling thread, and returns when all have
+/// finished. When one throws, the others fail at their next call, and this function rethrows the first
+/// exception.
+void run_rank_threads(std::size_t count, const std::function<void(Ranks&)>& work);
 
 }  // namespace simuli

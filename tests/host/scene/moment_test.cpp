@@ -1,6 +1,6 @@
-#include "host/core/scene/moment.hpp"
-
 #include <gtest/gtest.h>
+
+#include "host/core/scene/edit.hpp"
 
 namespace simuli {
 namespace {

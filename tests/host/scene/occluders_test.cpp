@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "host/core/scene/edit.hpp"
-#include "host/core/scene/moment.hpp"
 
 namespace simuli {
 namespace {

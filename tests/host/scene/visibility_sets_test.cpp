@@ -4,7 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "host/core/scene/moment.hpp"
+#include "host/core/scene/edit.hpp"
 #include "host/core/scene/occluders.hpp"
 
 namespace simuli {
@@ -137,8 +137,10 @@ TEST(VisibilitySets, HaveOccludersOfTheirOwn) {
   scene.camera = GaussianSet(SetKind::kCamera, 0, 4);
   scene.camera.rotation().col(0).setOnes();
   scene.camera.mean().col(0) << 50.0F, 150.0F, 60.0F, 160.0F;
-  scene.camera.actor = {
-      inpainted_number(scene, 0), inpainted_number(scene, 1), inpainted_number(scene, 1), disoccluded_number(scene, 1)};
+  scene.camera.actor = {inpainted_number(scene, 0),
+                        inpainted_number(scene, 1),
+                        inpainted_number(scene, 1),
+                        disoccluded_number(scene, 1)};
   EXPECT_EQ(background_of(scene, SetKind::kCamera).mean().col(0).sum(), 200.0F);
   EXPECT_EQ(moment_of(scene, SetKind::kCamera, 1.0).mean().col(0).sum(), 160.0F);
 }

@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 
 #include "io/base/output.hpp"
-#include "io/base/regular_file.hpp"
 #include "io/base/state_file.hpp"
 #include "io/picture/image.hpp"
 #include "tests/io/scratch.hpp"

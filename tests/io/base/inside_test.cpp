@@ -1,7 +1,6 @@
-#include "io/base/inside.hpp"
-
 #include <gtest/gtest.h>
 
+#include "io/base/file.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

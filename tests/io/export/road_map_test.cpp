@@ -1,11 +1,10 @@
-#include "io/export/road_map.hpp"
-
 #include <cmath>
 #include <gtest/gtest.h>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "io/export/drive_parts.hpp"
 #include "io/export/road_line.hpp"
 
 namespace simuli {

@@ -13,8 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "io/import/photos/colmap.hpp"
-#include "io/import/photos/nerfstudio.hpp"
 #include "io/picture/image.hpp"
 #include "io/splat/ply.hpp"
 #include "tests/io/linear.hpp"

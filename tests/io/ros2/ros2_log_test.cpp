@@ -10,7 +10,6 @@
 
 #include "io/bag/mcap_writer.hpp"
 #include "io/base/file.hpp"
-#include "io/import/ros2/ros2_clouds.hpp"
 #include "io/picture/image.hpp"
 #include "io/ros2/messages.hpp"
 #include "io/ros2/recording.hpp"

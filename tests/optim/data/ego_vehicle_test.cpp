@@ -1,5 +1,3 @@
-#include "optim/data/ego_vehicle.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -7,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include "optim/data/sensor_learning.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

@@ -1,6 +1,4 @@
 // Tests the estimation of known range biases in sweeps of a street.
-#include "optim/data/range_bias.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -8,6 +6,7 @@
 
 #include "io/synth/street.hpp"
 #include "optim/base/metrics.hpp"
+#include "optim/data/sensor_learning.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

@@ -1,11 +1,10 @@
-#include "optim/data/range_limit.hpp"
-
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
 #include <gtest/gtest.h>
 #include <numbers>
 
+#include "optim/data/sensor_learning.hpp"
 #include "tests/io/scratch.hpp"
 
 namespace simuli {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <variant>
 
+#include "optim/data/sensor_learning.hpp"
 #include "optim/eval/evaluation.hpp"
-#include "optim/data/ego_vehicle.hpp"
 #include "optim/train/training.hpp"
 #include "tests/optim/small_street.hpp"
 #include "tests/support/device.hpp"

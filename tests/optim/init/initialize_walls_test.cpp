@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "host/core/scene/actor.hpp"
-#include "io/base/scratch_folder.hpp"
+#include "io/base/temporary.hpp"
 #include "io/synth/street.hpp"
 #include "optim/init/posed_frames.hpp"
 

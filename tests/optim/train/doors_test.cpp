@@ -9,8 +9,8 @@
 #include "host/core/base/error.hpp"
 #include "host/core/base/fields.hpp"
 #include "host/device/render/frame/variant.hpp"
-#include "host/device/render/options/render_settings.hpp"
-#include "optim/eval/eval_settings.hpp"
+#include "host/device/render/options/quality.hpp"
+#include "optim/eval/eval_options.hpp"
 #include "optim/train/training_options.hpp"
 
 namespace simuli {

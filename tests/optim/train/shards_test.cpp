@@ -9,7 +9,7 @@
 #include <string>
 
 #include "optim/train/memory.hpp"
-#include "optim/train/ranks/rank_threads.hpp"
+#include "optim/train/ranks/ranks.hpp"
 #include "optim/train/trainer.hpp"
 #include "tests/optim/small_street.hpp"
 

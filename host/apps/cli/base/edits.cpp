@@ -14,7 +14,7 @@
 #include "host/core/base/split.hpp"
 #include "host/core/record/mirror.hpp"
 #include "host/core/scene/edit.hpp"
-#include "io/base/regular_file.hpp"
+#include "io/base/file.hpp"
 #include "io/scene/splat_scene.hpp"
 #include "io/splat/splat_file.hpp"
 

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "host/core/base/error.hpp"
-#include "io/base/ending.hpp"
+#include "io/base/file.hpp"
 
 namespace simuli::cli {
 namespace {

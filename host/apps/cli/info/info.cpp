@@ -13,7 +13,7 @@
 #include "host/apps/cli/base/commands.hpp"
 #include "host/core/base/close_names.hpp"
 #include "host/core/base/error.hpp"
-#include "io/base/ending.hpp"
+#include "io/base/file.hpp"
 #include "io/scene/sensor_rig.hpp"
 #include "io/scene/splat_scene.hpp"
 

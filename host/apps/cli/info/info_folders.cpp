@@ -13,8 +13,8 @@
 #include "host/core/scene/occluders.hpp"
 #include "io/log/camera_mask.hpp"
 #include "io/log/sensor_json.hpp"
+#include "io/scene/scene_parts.hpp"
 #include "io/scene/sensor_rig.hpp"
-#include "io/scene/training_json.hpp"
 
 namespace simuli::cli {
 namespace {

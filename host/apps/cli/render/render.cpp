@@ -30,7 +30,6 @@
 #include "host/core/sensors/own_time.hpp"
 #include "host/device/render/options/validate.hpp"
 #include "host/device/render/scene/scene_on_device.hpp"
-#include "io/base/ending.hpp"
 #include "io/base/file.hpp"
 #include "io/export/frame_labels.hpp"
 #include "io/export/track_labels.hpp"

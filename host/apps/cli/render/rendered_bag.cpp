@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "host/core/base/error.hpp"
-#include "io/base/ending.hpp"
+#include "io/base/file.hpp"
 #include "io/base/gzip.hpp"
 
 namespace simuli::cli {

@@ -1,9 +1,9 @@
-#include "host/apps/cli/report/curves.hpp"
-
 #include <algorithm>
 #include <fmt/format.h>
 #include <string>
 #include <vector>
+
+#include "host/apps/cli/report/report_parts.hpp"
 
 namespace simuli::cli {
 namespace {

@@ -1,10 +1,9 @@
-#include "host/apps/cli/report/pair_pictures.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "host/apps/cli/draw/pictures.hpp"
+#include "host/apps/cli/report/report_parts.hpp"
 
 namespace simuli::cli {
 

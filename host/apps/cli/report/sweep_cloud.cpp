@@ -1,5 +1,3 @@
-#include "host/apps/cli/report/sweep_cloud.hpp"
-
 #include <algorithm>
 #include <array>
 #include <fmt/format.h>
@@ -7,6 +5,7 @@
 #include <vector>
 
 #include "host/apps/cli/draw/pictures.hpp"
+#include "host/apps/cli/report/report_parts.hpp"
 #include "io/scene/sensor_rig.hpp"
 #include "optim/base/frames.hpp"
 

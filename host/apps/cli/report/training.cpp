@@ -18,7 +18,7 @@
 #include "host/core/base/one_line.hpp"
 #include "host/core/base/stopwatch.hpp"
 #include "io/base/event_file.hpp"
-#include "io/scene/training_json.hpp"
+#include "io/scene/scene_parts.hpp"
 #include "optim/eval/held_out_scores.hpp"
 
 namespace simuli::cli {

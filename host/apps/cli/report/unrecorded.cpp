@@ -1,5 +1,3 @@
-#include "host/apps/cli/report/unrecorded.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +12,7 @@
 #include "host/apps/cli/draw/depth_picture.hpp"
 #include "host/apps/cli/draw/pictures.hpp"
 #include "host/apps/cli/draw/unseen.hpp"
-#include "host/apps/cli/report/sweep_cloud.hpp"
+#include "host/apps/cli/report/report_parts.hpp"
 #include "optim/base/frames.hpp"
 
 namespace simuli::cli {

@@ -11,7 +11,7 @@
 #include "host/apps/cli/base/provenance.hpp"
 #include "host/apps/cli/base/quoted.hpp"
 #include "host/core/base/one_line.hpp"
-#include "io/scene/training_json.hpp"
+#include "io/scene/scene_parts.hpp"
 
 namespace simuli::cli {
 namespace {

@@ -26,14 +26,13 @@
 #include "host/apps/cli/view/live_page.hpp"
 #include "host/core/base/error.hpp"
 #include "host/core/base/version.hpp"
+#include "io/base/file.hpp"
 #include "io/base/output.hpp"
-#include "io/base/regular_file.hpp"
 #include "io/base/temporary.hpp"
 #include "io/scene/scene_folder.hpp"
-#include "io/scene/scene_output.hpp"
 #include "optim/eval/held_out_scores.hpp"
 #include "optim/train/chunk/chunk_parts.hpp"
-#include "optim/train/ranks/rank_threads.hpp"
+#include "optim/train/ranks/ranks.hpp"
 #include "optim/train/training.hpp"
 
 namespace simuli::cli {

@@ -11,7 +11,6 @@
 #include "host/apps/cli/view/view_session.hpp"
 #include "host/core/base/error.hpp"
 #include "io/base/file.hpp"
-#include "io/base/regular_file.hpp"
 #include "io/scene/scene_folder.hpp"
 
 namespace simuli::cli {

@@ -7,9 +7,15 @@
 #include <optional>
 #include <vector>
 
-#include "host/core/scene/ground/triangle_mesh.hpp"
+#include "host/core/scene/scene.hpp"
+#include "host/core/sensors/trajectory.hpp"
 
 namespace simuli {
+
+struct TriangleMesh {
+  std::vector<Eigen::Vector3f> vertices;                // m
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise seen from outside
+};
 
 /// Heights of cells of kCell_m. Objects that stand on the ground for a while do not raise it: a cell is at most
 /// as high as its neighbours and a slope of kSlope allow. Mirror images below it (of cars, in wet roads and
@@ -47,5 +53,14 @@ class GroundMap {
   std::map<Cell, std::vector<Low>> lows_;
   std::map<Cell, float> height_;
 };
+
+/// Returns the ground of a scene, m from Scene::origin, from the means of static LiDAR particles with an
+/// opacity of at least 1/2.
+[[nodiscard]] GroundMap ground_of(const Scene& scene);
+
+/// Returns the part connected to the path. Empty where no ground is known below the path.
+[[nodiscard]] TriangleMesh ground_mesh(const GroundMap& ground,
+                                       const Scene& scene,
+                                       const Trajectory& world_from_rig);
 
 }  // namespace simuli

@@ -26,4 +26,14 @@ enum class Quality { kDraft, kBalanced, kExact, kReference };
 /// Throws Error{kUsage} "WHERE: KEY: found, allowed" for the first option whose value has no backward pass.
 void need_gradients(RenderOptions options, const std::string& where);
 
+// Options from text, for other languages and settings files.
+
+/// Returns the bundle of that name; "" is balanced. Throws Error{kUsage} with the known names.
+[[nodiscard]] Quality quality_of_name(const std::string& name);
+
+/// Returns a bundle changed by settings "render.KEY=VALUE". Throws Error{kUsage} with key, found and allowed
+/// value.
+[[nodiscard]] RenderOptions render_options(const std::string& quality,
+                                           const std::vector<std::string>& settings);
+
 }  // namespace simuli

@@ -6,8 +6,6 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-#include "optim/train/ranks/rank_threads.hpp"
-
 namespace simuli {
 namespace {
 
