@@ -224,7 +224,7 @@ TEST(CameraPose, IsToldTwiceByTheHalvesOfADrive) {
   // The halves roughly agree, but the first half's result is farther from the second half than the given
   // mounting.
   log.cameras[0] = truth;
-  refuse_turned(0.3, 0.14, "pictures that the first half of the drive has not seen speak against");
+  refuse_turned(0.3, 0.14, "pictures that the first half of the drive did not use contradict");
 }
 
 TEST(CameraPose, IsJudgedByPicturesThatItHasNotSeen) {
@@ -241,7 +241,7 @@ TEST(CameraPose, IsJudgedByPicturesThatItHasNotSeen) {
   step[4] = 0.1 * kDegree;
   for (const Mounting& beside :
        {moved(right, step), moved(right, 5.0 * step), Mounting{truth.rig_from_camera, 0.02}}) {
-    expect_error(ErrorKind::kNumeric, "pictures that nobody has not seen speak against", [&] {
+    expect_error(ErrorKind::kNumeric, "pictures that nobody did not use contradict", [&] {
       judge(truth, beside);
     });
   }
