@@ -46,7 +46,7 @@ SIM_REALS_END(SupportBox);
 SIM_REALS(SupportView) {
   real rotation[9];  // to the view's axes
   real position[3];  // of the view
-  real there;        // 1, or 0: it recorded another state of the actor
+  real there;        // 1; 0 if the recorded frame shows another state of the actor
   real enlargement;  // ratio of lengths then and now
 }
 SIM_REALS_END(SupportView);
