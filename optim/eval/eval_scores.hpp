@@ -86,13 +86,13 @@ struct SweepScore : FrameScore {
 };
 
 template <class F>
-void visit_scores(const FrameScore& s, F&& value) {
+constexpr void visit_scores(const FrameScore& s, F&& value) {
   value("index", s.index);
   value("sensor", s.sensor);
   value("time_s", s.time_s);
 }
 template <class F>
-void visit_scores(const PictureScore& s, F&& value) {
+constexpr void visit_scores(const PictureScore& s, F&& value) {
   visit_scores(static_cast<const FrameScore&>(s), value);
   value("psnr_db", s.psnr_db);
   value("ssim", s.ssim);
@@ -189,6 +189,11 @@ static_assert(detail::score_count<RangeScores>(0U) ==
                   detail::member_count<RangeScores>() + 2,  // from_m, to_m
               "visit_scores() leaves out a member");
 static_assert(detail::score_count<KindScores>() == detail::member_count<KindScores>(),
+              "visit_scores() leaves out a member");
+static_assert(detail::score_count<FrameScore>() == detail::member_count<FrameScore>(),
+              "visit_scores() leaves out a member");
+static_assert(detail::score_count<PictureScore>() ==
+                  detail::member_count<PictureScore>() - 1 + detail::score_count<FrameScore>(),
               "visit_scores() leaves out a member");
 static_assert(detail::score_count<EvalScores>() ==
                   detail::member_count<EvalScores>() - 1 + detail::member_count<SweepMetrics>(),

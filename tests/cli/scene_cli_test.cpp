@@ -140,7 +140,7 @@ TEST_F(SceneCli, SmallThingsAreTakenOrRefusedInOneLine) {
   EXPECT_EQ(seen.err.find("note:"), std::string::npos) << seen.err;
   const Outcome behind =
       run("render s.scene --sensor front --frames 0 --duplicate car:twin --move twin:-60,0,0 -o b");
-  EXPECT_NE(behind.err.find("simuli: note: twin is in none of these frames"), std::string::npos)
+  EXPECT_NE(behind.err.find("simuli: note: twin is visible in none of these frames"), std::string::npos)
       << behind.err;
   EXPECT_EQ(run("help render").out, run("render --help").out);
   EXPECT_EQ(run("version").out, run("--version").out);
@@ -271,7 +271,7 @@ TEST_F(SceneCli, InfoTellsHowASceneWasMade) {
   scene.erase("training");
   std::ofstream(file) << scene.dump();
   EXPECT_TRUE(nlohmann::json::parse(run("info s.scene --json").out).at("training").is_null());
-  EXPECT_EQ(run("eval s.scene s.log").out.rfind("every 5. frame (the scene does not say", 0), 0U);
+  EXPECT_EQ(run("eval s.scene s.log").out.rfind("every 5. frame (the scene has no record", 0), 0U);
 }
 
 TEST_F(SceneCli, SceneIsTrainedEvaluatedAndRendered) {

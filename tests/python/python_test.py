@@ -268,6 +268,8 @@ for removed in (car, "second"):
 twin = twins.render(lidar, time_s=when)
 assert np.array_equal(twins.support(twin), original_support)  # the copy of a copy has the support of its original
 unknown = simuli.Scene(folder)
+unknown.duplicate_actor(car, "stranger")
+unknown.edit(simuli.remove("stranger"))  # the name is free for an actor without a recording
 unknown.add_actor(twins, "third", "stranger")
 unknown.edit(simuli.remove(car))
 assert not np.array_equal(unknown.support(unknown.render(lidar, time_s=when)), original_support)

@@ -215,6 +215,7 @@ simuli_status simuli_scene_edit(simuli_scene* scene, const simuli_edit* edit) {
     }
     const ActorEdit one = edit_of(wanted);
     change(need(scene, "scene"), [&](Scene& s) { edit_actor(s, one); });
+    if (wanted.kind == SIMULI_REMOVE) scene->copies.erase(one.actor);
   });
 }
 

@@ -135,6 +135,7 @@ class PyScene {
   }
   void edit(const ActorEdit& edit) {
     change([&](Scene& s) { edit_actor(s, edit); });
+    if (std::holds_alternative<ActorEdit::Remove>(edit.change)) copies_.erase(edit.actor);
   }
   void save(const std::filesystem::path& folder) const {
     SceneFile file = file_;

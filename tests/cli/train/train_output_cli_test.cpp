@@ -73,7 +73,7 @@ TEST_F(TrainOutputCli, WhatIsThereStaysUnlessToldOtherwise) {
   expect_failure(
       train("-o a.scene --seed 2"), kInput, "a.scene: folder: found something of that name, allowed a path");
   expect_failure(train("-o a.scene/ --seed 2"), kInput, "--overwrite");
-  expect_failure(train("-o a.scene --seed 2 --resume"), kInput, "its checkpoint beside it");
+  expect_failure(train("-o a.scene --seed 2 --resume"), kInput, "its checkpoint, a path");
   EXPECT_EQ(content("a.scene/camera.ply"), old);
   const Outcome again = run(train("-o a.scene --seed 2 --overwrite"));
   EXPECT_EQ(again.exit_code, 0) << again.err;

@@ -66,7 +66,7 @@ TEST(Options, OfRenderingAreCheckedByKey) {
   refused("render.camera_filter_px2: found 101", [](auto& o) { o.camera_filter_px2 = 101.0; });
   refused("render.camera_near_m: found 0, allowed 0.01 to 1000", [](auto& o) { o.camera_near_m = 0.0; });
   refused("render.max_pairs: found 0, allowed 1 or more", [](auto& o) { o.max_pairs = 0; });
-  refused("render.projection: found another than unscented beside render.extent=exact", [](auto& o) {
+  refused("render.projection: found another value than unscented with render.extent=exact", [](auto& o) {
     o.extent = Extent::kExact;
     o.projection = Projection::kLinearized;
   });

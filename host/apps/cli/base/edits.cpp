@@ -149,10 +149,7 @@ void apply(const Edits& edits, SceneFile& file) {
                         fmt::format("\"{}\" of a scene without data on the recorded sides of actors", name),
                         "an actor of a scene with these data: train the scene again");
     }
-    const std::map<std::string, std::string> copies = copies_of(edits);
-    const auto original = copies.find(name);
-    const std::string& recorded = original == copies.end() ? name : original->second;
-    if (!mirror_actor(scene, *file.support, name, recorded)) {
+    if (!mirror_actor(scene, *file.support, name, original_of(copies_of(edits), name))) {
       std::cerr << fmt::format("simuli: --mirror {}: both or none of its sides were recorded: unchanged\n",
                                name);
     }
