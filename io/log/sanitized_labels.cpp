@@ -120,7 +120,7 @@ void sanitize_headings(Actor& actor, std::vector<std::string>& said) {
   const std::size_t count = actor.track.size();
   if (flipped > 0)
     said.push_back(fmt::format(
-        "label {}: {} of {} headings are half a turn off, turned back", actor.name, flipped, count));
+        "label {}: {} of {} headings are reversed, corrected", actor.name, flipped, count));
   if (off > 0)
     said.push_back(fmt::format(
         "label {}: {} of {} headings are outliers, replaced by their neighbours", actor.name, off, count));

@@ -41,7 +41,7 @@ foreach(pair IN ITEMS "host/core/base,io/base,the core" "host/core/scene,host/de
         "host/device/runtime,host/device/render/frame,the runtime" "host/device/render/rays,io/base,render knows no io" "host/device/render/rays,host/device/render/frame,rays know no"
         "io/log,host/device/runtime,io knows no device" "optim/train,host/apps/cli/base,optim knows no program")
   string(REGEX MATCH "^([^,]+),([^,]+),(.+)$" unused "${pair}")
-  breaks(${CMAKE_MATCH_1}/CMakeLists.txt "simuli_room(${CMAKE_MATCH_1}\n  SOURCES\n    a.cpp\n  ROOMS cl ${CMAKE_MATCH_2})\n"
+  breaks(${CMAKE_MATCH_1}/CMakeLists.txt "simuli_module(${CMAKE_MATCH_1}\n  SOURCES\n    a.cpp\n  MODULES cl ${CMAKE_MATCH_2})\n"
          "${CMAKE_MATCH_1} links ${CMAKE_MATCH_2}: ${CMAKE_MATCH_3}")
 endforeach()
 breaks(host/device/runtime/a.hpp "#include <CL/cl.h>\n" "host/device/runtime/a.hpp: headers of the runtime")

@@ -67,4 +67,18 @@ py::list labels_as_dicts(const std::vector<ActorLabel>& labels, const Scene& sce
   return out;
 }
 
+std::vector<ActorEdit> edits_of(const py::object& edits) {
+  if (py::isinstance<py::sequence>(edits) && !py::isinstance<py::str>(edits)) {
+    std::vector<ActorEdit> out;
+    for (const py::handle edit : edits) {
+      if (py::isinstance<ActorEdit>(edit)) out.push_back(edit.cast<ActorEdit>());
+    }
+    if (out.size() == py::len(edits)) return out;
+  }
+  throw Error(ErrorKind::kUsage,
+              std::string("edits: found ") +
+                  (py::isinstance<ActorEdit>(edits) ? "one Edit" : "something else") +
+                  ", allowed a list of Edits");
+}
+
 }  // namespace simuli::python

@@ -122,6 +122,9 @@ double finite(double value, const char* what);
                                   std::vector<py::ssize_t> shape);
 [[nodiscard]] py::object array_of(const Pose& a_from_b);  // 4 x 4
 
+/// Throws Error{kUsage} unless `edits` is a list of Edits.
+[[nodiscard]] std::vector<ActorEdit> edits_of(const py::object& edits);
+
 // Values that simuli.pyi declares as dicts.
 [[nodiscard]] std::map<std::string, Sensor> sensors_of(const SensorRig& rig, bool cameras);
 [[nodiscard]] std::map<std::string, std::vector<std::pair<double, double>>> spans_of(

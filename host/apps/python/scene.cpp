@@ -261,19 +261,6 @@ class PyScene {
     }
     return found.with_duration(*duration_s);
   }
-  [[nodiscard]] static std::vector<ActorEdit> edits_of(const py::object& edits) {
-    if (py::isinstance<py::sequence>(edits) && !py::isinstance<py::str>(edits)) {
-      std::vector<ActorEdit> out;
-      for (const py::handle edit : edits) {
-        if (py::isinstance<ActorEdit>(edit)) out.push_back(edit.cast<ActorEdit>());
-      }
-      if (out.size() == py::len(edits)) return out;
-    }
-    throw Error(ErrorKind::kUsage,
-                std::string("edits: found ") +
-                    (py::isinstance<ActorEdit>(edits) ? "one Edit" : "something else") +
-                    ", allowed a list of Edits");
-  }
   [[nodiscard]] Shot shot_of(const Sensor& sensor,
                              const std::optional<Pose>& start,
                              const std::optional<Pose>& end,

@@ -57,7 +57,7 @@ TEST(LabelTracks, NamesAreUnique) {
   ASSERT_EQ(actors.size(), 4U);
   EXPECT_EQ(actors[0].name, "car_0");
   EXPECT_EQ(actors[0].kind, "vehicle.car");
-  EXPECT_EQ(actors[1].name, "tram____subway_1");
+  EXPECT_EQ(actors[1].name, "tram___subway_1");
   EXPECT_EQ(actors[2].name, "own");
   EXPECT_EQ(actors[3].name, "own_2");
 }

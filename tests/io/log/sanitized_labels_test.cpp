@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(
     SanitizedHeadings,
     testing::Values(
         HeadingCase{
-            "TwoInBetween", kCar, 10.0, {0, 0, 0, 0, 0, kPi, kPi}, 5.0, "2 of 13 headings are half a turn"},
+            "TwoInBetween", kCar, 10.0, {0, 0, 0, 0, 0, kPi, kPi}, 5.0, "2 of 13 headings are reversed"},
         HeadingCase{"TheFirst", kCar, 10.0, {kPi}, 5.0, "1 of 13"},
         HeadingCase{
             "EverySecond", kCar, 10.0, {kPi, 0, kPi, 0, kPi, 0, kPi, 0, kPi, 0, kPi, 0, kPi}, 5.0, "7 of 13"},
@@ -91,8 +91,8 @@ INSTANTIATE_TEST_SUITE_P(
         HeadingCase{"AtTwoHertz", kCar, 2.0, {0, 0, kPi, kPi}, 5.0, "2 of 13"},
         HeadingCase{"NotQuiteHalfATurn", kCar, 10.0, {0, 0, kPi - 0.3}, 5.0, "1 of 13", {0, 0, -0.3}},
         HeadingCase{"OfAPerson", kPerson, 10.0, {0, 0, 0, kPi}, 1.5, "1 of 13"},
-        HeadingCase{"AcrossForOne", kCar, 10.0, {0, 0, 0, kPi / 2.0}, 5.0, "1 of 13 headings are off, taken"},
-        HeadingCase{"TheFirstAcross", kCar, 10.0, {kPi / 2.0}, 5.0, "1 of 13 headings are off, taken"},
+        HeadingCase{"AcrossForOne", kCar, 10.0, {0, 0, 0, kPi / 2.0}, 5.0, "1 of 13 headings are outliers"},
+        HeadingCase{"TheFirstAcross", kCar, 10.0, {kPi / 2.0}, 5.0, "1 of 13 headings are outliers"},
         HeadingCase{"AcrossForLong",
                     kCar,
                     10.0,

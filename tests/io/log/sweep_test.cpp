@@ -147,7 +147,7 @@ TEST(SweepFile, AllocatesNothingThatAHeaderClaims) {
   // OpenEXR reads channels up to an empty name, regardless of the stated size.
   const fs::path shifted = scratch.file("shifted.exr", with("channels\0chlist\0"s, 0, "\x10"));
   expect_input_error([&] { (void)read_sweep(shifted, lidar); },
-                     {"shifted.exr", "channels", "another length"});
+                     {"shifted.exr", "channels", "a wrong length"});
   const fs::path high = scratch.file("high.exr", with("dataWindow\0box2i\0"s, 16, "\xff\xff\xff\x7f"));
   expect_input_error([&] { (void)read_sweep(high, lidar); }, {"high.exr", "2147483648 pixels a side"});
   expect_input_error([&] { (void)read_image(high); }, {"high.exr", "2147483648 pixels a side"});

@@ -332,7 +332,7 @@ TEST(Ros2Log, TheRigStandsUprightInTheWorld) {
     const Eigen::Vector3d up = back.world_from_rig.poses().front().pose.rotation * Eigen::Vector3d::UnitZ();
     const std::string reported = fmt::format("{}", fmt::join(report.notes, "\n"));
     EXPECT_EQ(up.z() > 0.999, is_levelled) << reported;
-    EXPECT_EQ(reported.find("base_link stands upright then") != std::string::npos, is_levelled) << reported;
+    EXPECT_EQ(reported.find("base_link is upright") != std::string::npos, is_levelled) << reported;
     EXPECT_EQ(reported.find("base_link leans by ") != std::string::npos, !is_levelled) << reported;
   }
 }
