@@ -248,7 +248,7 @@ TEST(CameraPose, IsJudgedByPicturesThatItHasNotSeen) {
   // Only contradictions are reported: edges are nearer.
   LogCamera given = truth;
   given.rig_from_camera = moved(right, 4.2 * step).rig_from_camera;
-  expect_error(ErrorKind::kNumeric, "asks for: correlation of texture", [&] {
+  expect_error(ErrorKind::kNumeric, "result: correlation of texture", [&] {
     judge(given, Mounting{truth.rig_from_camera, 0.02});
   });
   // If edges do not determine the mounting, texture is used.
