@@ -119,8 +119,8 @@ void sanitize_headings(Actor& actor, std::vector<std::string>& said) {
   const std::size_t off = headings.straighten();
   const std::size_t count = actor.track.size();
   if (flipped > 0)
-    said.push_back(fmt::format(
-        "label {}: {} of {} headings are reversed, corrected", actor.name, flipped, count));
+    said.push_back(
+        fmt::format("label {}: {} of {} headings are reversed, corrected", actor.name, flipped, count));
   if (off > 0)
     said.push_back(fmt::format(
         "label {}: {} of {} headings are outliers, replaced by their neighbours", actor.name, off, count));
@@ -215,7 +215,7 @@ std::vector<std::string> sanitize_labels(Log& log) {
     const std::size_t own = count - actor.track.size();
     if (2 * own >= count && own > 0) {
       said.push_back(
-          fmt::format("label {}: holds the sensors at {} of {} poses, as the own vehicle does: left out",
+          fmt::format("label {}: contains the sensors at {} of {} poses, as the ego vehicle does: left out",
                       actor.name,
                       own,
                       count));

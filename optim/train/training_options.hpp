@@ -36,7 +36,7 @@ constexpr void visit_fields(TrainingOptions& o, F&& field) {
   field.group("Data");
   field("sensors.learn",
         o.learn_sensors,
-        "Find the LiDARs' range biases by row, blind arcs behind the own vehicle and largest ranges first. "
+        "Find the LiDARs' range biases by row, blind arcs of the ego vehicle and largest ranges first. "
         "false: the log states its LiDARs exactly.");
   field("path.refine",
         o.refine_path,

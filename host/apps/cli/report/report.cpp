@@ -163,7 +163,7 @@ void add_sweeps(HtmlReport& html, Evaluation& evaluation) {
   html.heading(fmt::format("Sweeps: {}", evaluation.frames().label()));
   html.paragraph(
       "Ranges by azimuth: warm near, cold far; black: no return; grey: the sensor has no ray there, or none "
-      "that gets past its own vehicle.");
+      "that passes its ego vehicle.");
   for (const std::size_t index : sweeps) {
     const SweepFrame& frame = log.sweeps[index];
     const LidarModel& lidar = log.lidar(frame.lidar).model;
