@@ -22,7 +22,7 @@
 namespace simuli {
 
 struct RigSensor {
-  Sensor sensor;      // named and mounted as the file says
+  Sensor sensor;      // with the name and mounting of the file
   std::string model;  // as SensorRig::frames() takes it
 };
 

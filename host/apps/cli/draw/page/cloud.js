@@ -1,5 +1,5 @@
 'use strict';
-// Point clouds to turn, drawn by hand: no library, no graphics card.
+// Interactive point clouds, rasterised on a 2D canvas: no library, no graphics card.
 
 const kBehind = {yaw: Math.PI, pitch: 0.42, away: 42, at: [12, 0, 0]};
 const kAbove = {yaw: Math.PI, pitch: 1.5, away: 110, at: [0, 0, 0]};
@@ -10,7 +10,7 @@ function bytesOf(base64) {
   for (let i = 0; i < text.length; ++i) out[i] = text.charCodeAt(i);
   return out;
 }
-// "#rrggbb" as ImageData has it, seen as one number (little-endian).
+// "#rrggbb" as a little-endian number of ImageData.
 const colourOf = hex => 0xff000000 | parseInt(hex.slice(5, 7) + hex.slice(3, 5) + hex.slice(1, 3), 16);
 
 class Cloud {
@@ -28,7 +28,7 @@ class Cloud {
     this.listen();
     this.look(kBehind);
   }
-  // Metres, of what is stored in steps: all x, all y, all z as 16 bits, all intensities as 8.
+  // Decodes stored values: all x, all y, all z in 16 bits, all intensities in 8, to metres.
   static read(script) {
     const bytes = bytesOf(script.textContent), n = +script.dataset.count, step = +script.dataset.step;
     const steps = new Int16Array(bytes.buffer, 0, 3 * n);
@@ -112,7 +112,7 @@ class Cloud {
     });
     for (const end of ['pointerup', 'pointercancel']) canvas.addEventListener(end, e => held.delete(e.pointerId));
     canvas.addEventListener('contextmenu', e => e.preventDefault());
-    // The page scrolls past, until the cloud is clicked.
+    // The page scrolls until the cloud is clicked.
     canvas.addEventListener('wheel', e => {
       if (document.activeElement !== canvas) return;
       e.preventDefault();

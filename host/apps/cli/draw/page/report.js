@@ -1,5 +1,5 @@
 'use strict';
-// Pictures over each other, parted by a line; pictures that open at full size; what paper shows.
+// Overlaid pictures with a divider, pictures that open at full size, printing.
 
 function partAt(pair, percent) {
   const at = Math.min(Math.max(percent, 0), 100);
@@ -27,7 +27,7 @@ document.addEventListener('keydown', e => {
   e.preventDefault();
 });
 
-// One window for whichever figure is large.
+// One dialog for all enlarged figures.
 const large = document.createElement('dialog');
 large.className = 'large';
 large.innerHTML = '<div class="stage"></div><p><span></span><button data-size>full size</button>' +
@@ -76,7 +76,7 @@ large.addEventListener('click', e => {
   else if (e.target.closest('[data-size]') || (e.target.closest('.stage') && !e.target.closest('.pair'))) setFull(!isFull);
 });
 large.addEventListener('close', () => {
-  // The event comes later than the closing: another figure may be open by then.
+  // The event is fired after the dialog has closed: another figure may be open.
   if (large.open) return;
   shown = null;
   stage.replaceChildren();

@@ -1,7 +1,7 @@
 'use strict';
-// The actors: a row of controls for each, of what the page changes about it. A row and its box are chosen together.
+// A row of controls per actor with its edits. Selecting a row selects its box.
 
-// `q` behind a turn to the left about z by `degrees`: of a vector in an actor's turned axes, in those before.
+// Returns q in the axes before a left rotation about z by `degrees`.
 function turnedLeft(q, degrees) {
   const h = degrees * Math.PI / 360;
   return times([Math.cos(h), 0, 0, Math.sin(h)], q);
@@ -16,7 +16,7 @@ function setRemoved(name, removed) {
   changeEdits(edits => { edits.removed = [...edits.removed.filter(other => other !== name), ...(removed ? [name] : [])]; });
 }
 
-// A number field for entry k of state.edits[kind][name], or of the value itself where it is one.
+// Returns a number field for entry k of state.edits[kind][name], or for the value itself if it is a number.
 function field(label, unit, kind, name, k, usualValue, step) {
   const value = () => state.edits[kind][name] ?? usualValue;
   const input = Object.assign(document.createElement('input'), {
@@ -61,7 +61,7 @@ function listActors() {
   choose(selected, false);
 }
 
-// The one of that name; '': none.
+// Selects the named actor; '': none.
 function choose(name, show = true) {
   selected = name;
   for (const row of $('actors').children) row.classList.toggle('selected', row.dataset.row === name);
@@ -72,7 +72,7 @@ function choose(name, show = true) {
   drawAll();
 }
 
-// A second one of the same, beside it.
+// Adds a copy of an actor beside it.
 async function duplicate(name) {
   const {actor} = await (await call('api/duplicate', {actor: name})).json();
   settle();
@@ -84,7 +84,7 @@ async function duplicate(name) {
   await reload();
 }
 
-// Splats dropped anywhere on the page: an actor ahead of the rig. What to say of them.
+// Adds splats dropped on the page as an actor ahead of the rig. Returns a message.
 async function addSplats(file) {
   const query = new URLSearchParams({file: file.name, time_s: state.time});
   const {actor, moved_m, notes} = await (await call(`api/add?${query}`, file)).json();

@@ -1,10 +1,10 @@
 'use strict';
-// Requests, and what keeps the panes up to date with them.
+// Requests, and updates of the panes.
 
 const $ = id => document.getElementById(id);
 const token = new URLSearchParams(location.search).get('token') || '';
 const pause = ms => new Promise(done => setTimeout(done, ms));
-// `from`: whose next success makes it untrue.
+// `from`: the source whose next success clears the message.
 function say(text, from = '') {
   $('message').textContent = text;
   $('message').dataset.from = from;
@@ -12,7 +12,7 @@ function say(text, from = '') {
 
 class Gone extends Error {}
 
-// `body`: bytes as they are, else JSON. Gone: nobody answers.
+// `body`: bytes, else an object sent as JSON. Throws Gone without an answer.
 async function call(path, body) {
   const bytes = body instanceof Blob ? body : body && JSON.stringify(body);
   const reply = await fetch(path, {method: body ? 'POST' : 'GET', headers: {'X-Simuli-Token': token}, body: bytes})
@@ -22,15 +22,15 @@ async function call(path, body) {
   throw new Error(text || reply.statusText);
 }
 
-// A reply of two parts: the length of a JSON text, the text, and bytes from the next multiple of four.
+// Parses a reply of two parts: the length of a JSON text, the text, and bytes from the next multiple of four.
 async function parts(reply) {
   const buffer = await reply.arrayBuffer(), length = new DataView(buffer).getUint32(0, true);
   const text = new TextDecoder().decode(new Uint8Array(buffer, 4, length));
   return [JSON.parse(text), buffer, 4 + Math.ceil(length / 4) * 4];
 }
 
-// A pane: `load()` asks the server and returns what `paint()` shows. `what()` names what is to be shown: while
-// something else is, it is faint.
+// A pane: `load()` requests data and returns it for `paint()`. `what()` identifies the requested data; the pane
+// is faint while it shows other data.
 class Pane {
   constructor(name, canvas, what, load, paint) {
     Object.assign(this, {name, canvas, what, load, paint, wanted: false, shown: null, rate: 0, last: 0});
@@ -39,8 +39,8 @@ class Pane {
   note(text) { const line = $(this.name + '-note'); if (line) line.textContent = text; }
 }
 
-// All panes show one moment: what is asked for together is shown together. Meanwhile new wishes are collected,
-// and done once, with the newest state.
+// All panes show the same moment: data requested together are shown together. Requests made meanwhile are
+// merged and use the newest state.
 class Panes {
   constructor(panes) { Object.assign(this, {panes, running: null, turn: 0}); }
   ask(names) {
@@ -53,7 +53,7 @@ class Panes {
     return this.running;
   }
   async run() {
-    await null;  // what is asked for in one go comes together
+    await null;  // merges requests of one task
     for (let due; (due = this.panes.filter(pane => pane.wanted)).length > 0; ++this.turn) {
       const waiting = setTimeout(() => this.wait(this.turn, due), 400);
       const results = await Promise.allSettled(due.map(pane => {
@@ -84,7 +84,7 @@ class Panes {
       if (gone) await reconnect();
     }
   }
-  // Says what takes so long.
+  // Shows the reason of a long wait.
   async wait(turn, due) {
     while (turn === this.turn && this.running) {
       const activity = await call('api/status').then(reply => reply.json()).then(s => s.activity, () => '');
@@ -95,7 +95,7 @@ class Panes {
   }
 }
 
-// Until somebody answers again; then all is asked for anew.
+// Retries until the server answers, then requests everything again.
 async function reconnect() {
   for (;;) {
     await pause(1000);

@@ -18,14 +18,14 @@ const inverse = q => [q[0], -q[1], -q[2], -q[3]];
 const place = (a_from_b, v) => add(a_from_b.t, rotate(a_from_b.q, v));
 const times = (p, q) => [p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3], p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
   p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1], p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]];
-// Between two rotations that are near each other.
+// Interpolates between two similar rotations.
 function blend(a, b, share) {
   const sign = a.reduce((sum, v, i) => sum + v * b[i], 0) < 0 ? -1 : 1;
   const q = a.map((v, i) => (1 - share) * v + share * sign * b[i]), n = Math.hypot(...q);
   return q.map(v => v / n);
 }
 
-// Columns of a rotation -> quaternion.
+// Returns the quaternion of a rotation's columns.
 function quaternion(x, y, z) {
   const trace = x[0] + y[1] + z[2];
   if (trace > 0) {
@@ -44,9 +44,9 @@ function quaternion(x, y, z) {
   return [(x[1] - y[0]) / s, (z[0] + x[2]) / s, (z[1] + y[2]) / s, s / 4];
 }
 
-const kHalf = 0.45;  // rad of what an orbit sees, above and below its middle: ViewRequest::kFreeHalf_rad
+const kHalf = 0.45;  // half vertical field of view of an orbit, rad: ViewRequest::kFreeHalf_rad
 
-// An eye that turns about `target` at `distance`, z up. azimuth and elevation in rad: where it stands.
+// A viewpoint at `distance` from `target`, z up; azimuth and elevation in rad.
 class Orbit {
   constructor(target, distance, azimuth, elevation) { Object.assign(this, {target, distance, azimuth, elevation}); }
   get eye() {
@@ -54,7 +54,7 @@ class Orbit {
     const away = [c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.elevation)];
     return add(this.target, scale(away, this.distance));
   }
-  // Right, down, forward in the world.
+  // Returns the directions right, down, forward in the world.
   get axes() {
     const forward = unit(sub(this.target, this.eye));
     const right = unit(cross(forward, [0, 0, 1]));
@@ -69,9 +69,9 @@ class Orbit {
     const [x, y] = this.axes;
     this.target = add(this.target, add(scale(x, right), scale(y, down)));
   }
-  // scene_from_camera of a camera that looks from there (x right, y down, z forward).
+  // Returns scene_from_camera of a camera at the viewpoint (x right, y down, z forward).
   get pose() { return {t: this.eye, q: quaternion(...this.axes)}; }
-  // Column-major clip_from_world.
+  // Returns clip_from_world, column-major.
   matrix(aspect) {
     const [x, y, z] = this.axes, e = this.eye;
     const f = 1 / Math.tan(kHalf), near = Math.max(0.05, this.distance / 500), far = this.distance * 50 + 2000;
@@ -81,12 +81,12 @@ class Orbit {
       sx * x[0], sy * y[0], a * z[0], z[0], sx * x[1], sy * y[1], a * z[1], z[1],
       sx * x[2], sy * y[2], a * z[2], z[2], -sx * dot(x, e), -sy * dot(y, e), b - a * dot(z, e), -dot(z, e)]);
   }
-  // Where a canvas of that aspect shows the point, in parts of its sides; null: behind the eye.
+  // Projects a point to a canvas of that aspect, as shares of its sides; null behind the viewpoint.
   project(point, aspect) {
     const [right, down, forward] = this.axes, v = sub(point, this.eye), z = dot(v, forward), t = 2 * Math.tan(kHalf);
     return z > 0.05 ? [0.5 + dot(v, right) / (z * t * aspect), 0.5 + dot(v, down) / (z * t), z] : null;
   }
-  // Direction into the world of a point of the canvas, (x, y) in [-1, 1], y up.
+  // Returns the world direction of a canvas point, (x, y) in [-1, 1], y up.
   ray(x, y, aspect) {
     const [right, down, forward] = this.axes, t = Math.tan(kHalf);
     return unit(add(forward, add(scale(right, x * t * aspect), scale(down, -y * t))));

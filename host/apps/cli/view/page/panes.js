@@ -1,12 +1,12 @@
 'use strict';
-// The panes: what each asks for and how it shows the answer.
+// The panes: their requests and the display of answers.
 
 const points = new PointView($('points'), $('points-over'));
 let selected = '';            // actor
 let hovered = '';
-let boxesInPicture = [];      // of the last picture
-let seen = {points: new Float32Array(0), from: [0, 0, 0]};  // over the last picture
-const marks = [];             // of a measurement: {point, picture: [x, y] or null}
+let boxesInPicture = [];  // of the displayed picture
+let seen = {points: new Float32Array(0), from: [0, 0, 0]};  // over the displayed picture
+const marks = [];  // of a measurement: {point, picture: [x, y] or null}
 
 function request(sensor) {
   const {quality, time, forward, left, up, yaw, pitch, edits} = state, of_scene = scene.kind === 'scene';
@@ -25,24 +25,24 @@ function photoRequest() {
 
 // --- pictures while something moves: smaller ones, so that they come at once -----------------------------
 
-const kSharpAfter = 250, kAnswer = 50;  // ms; what moves during one picture waits for the next
+const kSharpAfter = 250, kAnswer = 50;  // ms
 const kSizes = [1, 0.75, 0.5, 0.375, 0.25];
 class Haste {
   constructor() { Object.assign(this, {until: 0, at: 2, hasty: false, timer: 0}); }
-  // Something moves now; when it has come to rest `sharpen` is called.
+  // Called while the view changes; calls `sharpen` once it is at rest.
   move(sharpen) {
     this.until = performance.now() + kSharpAfter;
     clearTimeout(this.timer);
     this.timer = setTimeout(sharpen, kSharpAfter + 10);
   }
-  // The body, while something moves of a picture that comes in time.
+  // Returns the request's body, for a smaller picture while the view changes.
   body(body) {
     this.hasty = performance.now() < this.until;
     if (!this.hasty) return body;
     const small = side => Math.max(64, Math.round(side * kSizes[this.at]));
     return {...body, width: small(body.width), ...(body.height && {height: small(body.height)})};
   }
-  // The next one is smaller after one that was late, larger where that is likely to come in time, too.
+  // Adapts the size of the next picture to the time that the last one took.
   took(ms) {
     if (!this.hasty) return;
     if (ms > kAnswer) this.at = Math.min(this.at + 1, kSizes.length - 1);
@@ -114,12 +114,12 @@ const panes = new Panes([camera, lidar, photo]);
 
 // --- what is drawn over them -----------------------------------------------------------------------------
 
-// Of a canvas whose picture is fitted into it: where that is, in CSS pixels of the canvas.
+// Returns the rectangle of the fitted picture in a canvas, in CSS pixels.
 function fitted(canvas) {
   const w = canvas.clientWidth, h = canvas.clientHeight, s = Math.min(w / canvas.width, h / canvas.height);
   return {x: (w - s * canvas.width) / 2, y: (h - s * canvas.height) / 2, w: s * canvas.width, h: s * canvas.height};
 }
-// Where the pointer is on the picture, in parts of its sides; null: beside it.
+// Returns the pointer's position on the picture as shares of its sides; null outside.
 function pictureAt(event) {
   const r = $('picture').getBoundingClientRect(), fit = fitted($('picture'));
   const at = [(event.clientX - r.left - fit.x) / fit.w, (event.clientY - r.top - fit.y) / fit.h];
@@ -159,7 +159,7 @@ function drawPictureOver() {
   drawMeasure(pen, marks.map(mark => mark.picture && at(...mark.picture)), marks.map(mark => mark.point), ratio);
 }
 
-// The cloud with the path, and where the cameras are and look at the time that is shown.
+// Draws the cloud with the trajectory, the cameras and their directions at the current time.
 function drawSpace() {
   const rig = rigAt(state.time), moved = {q: rig.q, t: place(rig, [state.forward, state.left, state.up])};
   const path = scene.poses.flatMap((pose, i) => i > 0 ? [scene.poses[i - 1].t, pose.t] : []);

@@ -1,13 +1,14 @@
 'use strict';
-// Returns as points, boxes, the path and the cameras, with WebGL; names and measures above them.
+// Returns as points, boxes, the trajectory and the cameras with WebGL; names and measures above them.
 
 const kPointValues = 7;  // x y z intensity ring time actor
 
-// Colours that grow lighter all along, for colour-blind people, too, and stand out from black and from white; of actors those of Okabe and Ito.
+// Colours of increasing lightness, distinguishable by colour-blind people and visible on black and white; for
+// actors those of Okabe and Ito.
 const kRamp = [[88, 60, 170], [50, 105, 180], [25, 150, 150], [105, 200, 90], [250, 230, 40]];
 const kOwn = [[230, 159, 0], [86, 180, 233], [0, 158, 115], [240, 228, 66], [0, 114, 178], [213, 94, 0], [204, 121, 167]];
 const kNobody = [130, 130, 130];
-const kChosen = [255, 60, 200];  // on dark and on light
+const kChosen = [255, 60, 200];  // visible on dark and on light
 const css = rgb => `rgb(${rgb.map(Math.round)})`;
 function ramp(v) {
   const at = Math.min(Math.max(v, 0), 1) * (kRamp.length - 1), i = Math.min(Math.floor(at), kRamp.length - 2);
@@ -15,7 +16,7 @@ function ramp(v) {
 }
 const ownColour = number => number === 0 ? kNobody : kOwn[(number - 1) % kOwn.length];
 
-// What of a point is coloured, its place on the ramp, and the ends of the scale as text.
+// Per colouring: a point's value, its position on the colour scale, and the labels of the scale's ends.
 const kColourings = {
   height: {of: (p, from) => (p[2] - from[2] + 2.5) / 8, ends: ['-2.5 m', '5.5 m above the sensor']},
   intensity: {of: p => Math.sqrt(p[3]), ends: ['0', '1 (square root)']},
@@ -23,7 +24,7 @@ const kColourings = {
   ring: {of: (p, from, rings) => p[4] / rings, ends: ['top', 'bottom row']},
   time: {of: p => p[5], ends: ['start', 'end of the sweep']},
   actor: null};
-// [r, g, b] of each point, 0 to 255; points of `stride` values each.
+// Returns [r, g, b] of each point, 0 to 255; `stride` values per point.
 function coloursOf(points, stride, colouring, from) {
   const n = points.length / stride, colours = new Uint8Array(3 * n), how = kColourings[colouring];
   let rings = 1;
@@ -34,7 +35,7 @@ function coloursOf(points, stride, colouring, from) {
   }
   return colours;
 }
-// The scale beside a view: stops of colours and what its ends are.
+// Shows a colour scale beside a view with labels at its ends.
 function showScale(element, stops, ends) {
   const bar = document.createElement('i');
   bar.style.background = `linear-gradient(90deg, ${stops.map(css)})`;
@@ -68,7 +69,7 @@ class PointView {
     gl.enable(gl.DEPTH_TEST);
   }
   get aspect() { return this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1); }
-  // points: Float32Array of kPointValues each; `from` the sensor's place.
+  // points: Float32Array of kPointValues each; `from`: the sensor's position.
   show(points, colouring, from) {
     Object.assign(this, {points, from});
     const gl = this.gl, n = points.length / kPointValues, places = new Float32Array(3 * n);
@@ -124,7 +125,7 @@ class PointView {
     const ends = this.marks.map(at);
     drawMeasure(pen, ends, this.marks, ratio);
   }
-  // Eye and direction through a place of the canvas.
+  // Returns viewpoint and direction through a canvas position.
   rayAt(event) {
     const r = this.canvas.getBoundingClientRect();
     const x = 2 * (event.clientX - r.left) / r.width - 1, y = 1 - 2 * (event.clientY - r.top) / r.height;
@@ -139,7 +140,7 @@ class PointView {
     }
     return found;
   }
-  // The nearest point within some pixels of the pointer, its values; null: none.
+  // Returns the values of the nearest point within some pixels of the pointer; null: none.
   pointAt(event, within = 8) {
     const [eye, d] = this.rayAt(event), points = this.points;
     const per_pixel = 2 * Math.tan(kHalf) / this.canvas.clientHeight;
@@ -154,7 +155,7 @@ class PointView {
     }
     return found < 0 ? null : points.subarray(found, found + kPointValues);
   }
-  // Where the ray meets the horizontal plane at `height`; null when it does not.
+  // Returns the intersection with the horizontal plane at `height`; null without one.
   groundAt(event, height) {
     const [eye, direction] = this.rayAt(event);
     const s = (height - eye[2]) / direction[2];
@@ -162,7 +163,7 @@ class PointView {
   }
 }
 
-// Where names would lie over each other only the first is written.
+// Of overlapping names only the first is drawn.
 function tag(pen, text, x, y, rgb, ratio, taken = []) {
   pen.font = `${12 * ratio}px system-ui, sans-serif`;
   const half = pen.measureText(text).width / 2;
@@ -174,7 +175,7 @@ function tag(pen, text, x, y, rgb, ratio, taken = []) {
   pen.fillStyle = dot(rgb, [0.3, 0.6, 0.1]) < 128 ? '#fff' : '#000';
   pen.fillText(text, x, y);
 }
-// Between two points that were clicked: [x, y] of each on the canvas, null where it is not seen, and in space.
+// Draws a measurement between two points: canvas positions [x, y], null if invisible, and positions in space.
 function drawMeasure(pen, ends, points, ratio) {
   pen.strokeStyle = pen.fillStyle = '#ff2fd0';
   pen.lineWidth = 2 * ratio;

@@ -1,12 +1,12 @@
 'use strict';
-// What the page shows: all of it is in its address, and what is edited can be taken back.
+// State of the page: stored in its address; edits can be undone.
 
 const kNoEdits = {removed: [], moved: {}, turned: {}, retimed: {}};
 const kUsual = {time: null, camera: '', layer: 'colour', lidar: '', colour: 'height', quality: '', width: 960, forward: 0, left: 0,
   up: 0, yaw: 0, pitch: 0, size: 2, sweeps: 1, over: true, boxes: true, follow: true, photo: false, speed: '1', loop: true,
   every: false, theme: 'auto', only: '', split: 0.5, orbit: null, edits: kNoEdits};
-let scene = null;             // what /api/scene says
-let usual = {...kUsual};      // with what the scene begins with
+let scene = null;  // reply of /api/scene
+let usual = {...kUsual};  // initial state of the scene
 const state = structuredClone(kUsual);
 
 // --- the address -----------------------------------------------------------------------------------------
@@ -20,7 +20,7 @@ function addressOfState() {
   return '#' + said;
 }
 
-// What an address says, where it says it in the kind that is meant.
+// Reads the state from the address; ignores values of a wrong type.
 function readAddress() {
   Object.assign(state, structuredClone(usual));
   for (const [key, text] of new URLSearchParams(location.hash.slice(1))) {
@@ -54,10 +54,10 @@ function showPast() {
   $('redo').disabled = past.after.length === 0;
 }
 let settling = 0;
-let held = 0;  // pointers that are down
+let held = 0;  // pressed pointers
 for (const [type, by] of [['pointerdown', 1], ['pointerup', -1], ['pointercancel', -1]])
   addEventListener(type, () => { held = Math.max(0, held + by); }, true);
-// After each change: what comes in one go, or of one drag, is one step.
+// Called after each change: changes of one task or one drag are one undo step.
 function changed() {
   clearTimeout(settling);
   settling = setTimeout(() => (held > 0 ? changed() : settle()), 300);
@@ -75,7 +75,7 @@ function step(from, to) {
 }
 const undo = () => step(() => past.before, () => past.after);
 const redo = () => step(() => past.after, () => past.before);
-// An actor that is added now was not there in what is undone to.
+// Removes an actor that was added later from the undo steps.
 function addedNow(name) {
   const without = text => {
     const values = JSON.parse(text);
@@ -88,29 +88,30 @@ function addedNow(name) {
 
 // --- time ------------------------------------------------------------------------------------------------
 
-// The camera that looks ahead, if any does.
+// Returns the camera that looks ahead, if there is one.
 function frontCamera() {
   const ahead = name => rotate(scene.mountings[name].rig_from_camera.q, [0, 0, 1])[0];
   return [...scene.cameras].sort((a, b) => ahead(b) - ahead(a))[0];
 }
-// Starts of the frames that are counted: the camera's, of a built-in one those of the one in whose place it is.
+// Returns the start times of the displayed frames: the camera's; for a built-in camera those of the camera that
+// it replaces.
 function frameTimes() {
   const times = scene.frames[state.camera] || scene.frames[frontCamera()] || scene.frames[scene.lidars[0]];
   if (times && times.length > 0) return times.map(span => span[0]);
   const count = Math.max(1, Math.floor(10 * (scene.time_end_s - scene.time_start_s)));
   return Array.from({length: count}, (_, i) => scene.time_start_s + i / 10);
 }
-// The frame that is on at that time.
+// Returns the frame at that time.
 function frameAt(time) {
   const times = frameTimes();
   let at = 0;
   for (let i = 0; i < times.length; ++i) if (times[i] <= time + 1e-6) at = i;
   return at;
 }
-// The first moment at which every sensor has begun to see.
+// Returns the first time at which every sensor has a frame.
 const firstTime = () => Math.max(...[frontCamera(), scene.lidars[0]].map(name => scene.frames[name]?.[0]?.[0] ?? scene.time_start_s));
 
-// scene_from_rig at that time.
+// Returns scene_from_rig at that time.
 function rigAt(time) {
   const poses = scene.poses;
   let i = 0;

@@ -1,5 +1,5 @@
 'use strict';
-// The controls: fields, mouse, touch, keys, and time going by.
+// Controls: fields, mouse, touch, keys, and playback.
 
 function refresh() {
   $('time').value = state.time;
@@ -43,7 +43,7 @@ function bindFields() {
       say('');
       $('command-box').close();
       showFields();
-      if (e.type !== 'number') e.blur();  // keys are the page's again
+      if (e.type !== 'number') e.blur();  // returns the keys to the page
       changed();
       const asks = (e.dataset.asks || '').split(' ');
       if (asks.includes('draw') || e.dataset.state === 'lidar') points.colour(state.colour);
@@ -72,14 +72,15 @@ function offer(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-// The picture as it is chosen now, without loss.
+// Saves the current picture losslessly.
 async function save() {
   const body = {...pictureRequest(), points: '', lossless: true};
   const [, buffer, at] = await parts(await call('api/picture', body));
   offer(new Blob([new Uint8Array(buffer, at)], {type: 'image/png'}), `${body.sensor}_${body.layer || 'recorded'}_${body.time_s.toFixed(3)}s.png`);
 }
 
-// All that the picture shows until the button is pressed again, as it is shown. Every frame of a drive: simuli render -o X.mp4.
+// Records the displayed picture until the button is pressed again. For every frame of a drive use simuli render
+// -o X.mp4.
 let recorder = null;
 function clip() {
   if (recorder) { recorder.stop(); return; }
@@ -98,7 +99,7 @@ function clip() {
   $('clip').textContent = 'stop';
 }
 
-// The command line that makes what is chosen now: shown, and copied where the browser lets us; or why there is none.
+// Shows the equivalent command line, and copies it if the browser allows; or shows why there is none.
 async function tellCommand(body) {
   const told = await call('api/command', body).then(reply => reply.json()).then(reply => reply.command, error => error.message);
   $('command').value = told;
@@ -124,14 +125,16 @@ async function play() {
     last = now;
     if (next > scene.time_end_s && !state.loop) { setTime(scene.time_end_s); play(); break; }
     haste.camera.move(() => { if (!playing) panes.ask(['camera']); });
-    const first = firstTime(), around = first + (next - first) % (scene.time_end_s - first);  // a slow device's step may be longer than the drive
+    // a slow device's step may be longer than the drive
+    const first = firstTime(), around = first + (next - first) % (scene.time_end_s - first);
     await Promise.all([setTime(next > scene.time_end_s ? around : next), pause(20)]);
   }
 }
 
 // --- mouse and touch -------------------------------------------------------------------------------------
 
-// One pointer drags what start(event) returns: move(dx, dy, event), end(); two pan and pinch: both(dx, dy, factor).
+// One pointer drags the result of start(event): move(dx, dy, event), end(); two pan and pinch: both(dx, dy,
+// factor).
 function pointing(canvas, start, both) {
   const down = new Map();
   let held = null;
@@ -161,14 +164,14 @@ function pointing(canvas, start, both) {
   canvas.addEventListener('pointercancel', up);
 }
 
-function placed() {  // the rig's sensors are elsewhere now
+function placed() {  // called after the rig has moved
   haste.camera.move(() => panes.ask(['camera']));
   changed();
   showFields();
   $('command-box').close();
   drawSpace();
 }
-function drive(forward, left, up) {  // in the direction looked at
+function drive(forward, left, up) {  // along the viewing direction
   if (scene.kind === 'log') return;
   state.forward += forward * Math.cos(state.yaw) - left * Math.sin(state.yaw);
   state.left += forward * Math.sin(state.yaw) + left * Math.cos(state.yaw);
@@ -216,15 +219,15 @@ function bindPointers() {
       }, end: () => { if (!moved) choose(box ? box.name : ''); }};
     }
     const before = state.edits.moved[box.name] || [0, 0, 0];
-    // Moved along its own axes as they were before it was turned.
+    // Along the actor's axes before its rotation.
     const back = turnedLeft(inverse(box.q), state.edits.turned[box.name] || 0);
-    choose(box.name, false);  // the list would move what is dragged
+    choose(box.name, false);  // the list would move the dragged box
     box.held = true;
     return {
       move: (dx, dy, m) => {
         const at = points.groundAt(m, grabbed[2]);
         if (!at) return;
-        const [forward, left] = rotate(back, sub(at, grabbed));  // on its own ground
+        const [forward, left] = rotate(back, sub(at, grabbed));  // on the actor's ground plane
         changeEdits(edits => { edits.moved[box.name] = add(before, [forward, left, 0]).map(v => +v.toFixed(3)); });
       },
       end: () => { for (const b of points.boxes) b.held = false; listActors(); choose(box.name); }};
@@ -256,7 +259,7 @@ function bindPointers() {
 let lastPointer = null, measuring = false;
 const metres = v => v === null || v === undefined ? 'nothing' : `${v.toFixed(2)} m`;
 
-// What is there: {point (null: nothing), text, picture}.
+// Returns the object under the pointer: {point (null: nothing), text, picture}.
 async function pick(e, pane) {
   if (pane === 'space') {
     const p = points.pointAt(e);
@@ -277,7 +280,7 @@ async function pick(e, pane) {
 }
 async function read(e) {
   const {text} = await pick(e, e.pane);
-  if (marks.length === 2) return;  // what was measured stays
+  if (marks.length === 2) return;  // a complete measurement stays
   $(e.pane === 'picture' ? 'camera-reading' : 'lidar-reading').textContent = text;
 }
 
@@ -301,7 +304,7 @@ async function mark(e, pane) {
   drawAll();
 }
 
-// The 3D view turns about what is under the pointer, the chosen box, or the rig.
+// Sets the centre of rotation to the point under the pointer, the selected box, or the rig.
 function focusOn({point}) {
   if (!point) return;
   points.orbit.target = point;
@@ -358,7 +361,7 @@ document.addEventListener('keydown', e => {
   found[2]();
 });
 
-// Keys are the page's again after a click.
+// Returns the keys to the page after a click.
 document.addEventListener('click', e => { if (e.detail > 0) e.target.closest('button')?.blur(); });
 
 function goHome() {
@@ -372,10 +375,10 @@ function goHome() {
 async function reload() {
   scene = await (await call('api/scene')).json();
   listActors();
-  refresh();  // which nobody waits for here: the panes themselves may be waiting for this
+  refresh();  // not awaited: the panes may wait for this function
 }
 
-// While a training runs: how far it is, and its newest scene.
+// During a training: shows its progress and its newest scene.
 async function watch() {
   for (let version = -1; ;) {
     const s = await call('api/status').then(reply => reply.json(), () => null);
@@ -390,7 +393,8 @@ async function watch() {
     if (!s) { say('the viewer does not answer: trying again ...', 'watch'); version = -2; }
     else {
       if ($('message').dataset.from === 'watch') say('');
-      if (s.version !== version && version !== -1) await reload().catch(() => {});  // another scene, or another viewer
+      // another scene, or another viewer
+      if (s.version !== version && version !== -1) await reload().catch(() => {});
       version = s.version;
     }
     await pause(!s || s.training ? 1000 : 3000);
@@ -452,7 +456,7 @@ async function start() {
   matchMedia('(prefers-color-scheme: dark)').onchange = drawAll;
   const resized = new ResizeObserver(() => {
     drawAll();
-    if (state.photo) panes.ask(['photo']);  // of the pane's shape
+    if (state.photo) panes.ask(['photo']);  // with the pane's aspect
   });
   for (const stage of document.querySelectorAll('.stage')) resized.observe(stage);
   refresh();
