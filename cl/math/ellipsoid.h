@@ -73,7 +73,8 @@ FN void seen_ellipsoid(__global const SensorConstants* sensor,
   const F distance = sqrt(e->p[0] * e->p[0] + e->p[1] * e->p[1] + e->p[2] * e->p[2]);
   const F shift = shift_within(sensor, g, radius, distance, first, last);
   e->p[2] -= sensor->model.height;
-  const F mean = VMAX(sqrt(trace * R(0.33333333333333333)), (F)R(1e-6));  // of the radii; any c is valid
+  const F mean = VMAX(sqrt(trace * R(0.33333333333333333)),
+                      (F)R(1e-6));  // mean radius; any positive value gives valid bounds
   e->share = R(1.0) + shift / mean;
   e->more = shift * (shift + mean);
   e->ball = radius + shift;

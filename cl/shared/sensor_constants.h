@@ -80,7 +80,7 @@ SIM_REALS(ModelConstants) {
   real row_spread;                // largest deviation of a ray's elevation from its row's
   real lut_first, lut_scale;      // elevation of the look-up table's first bin, bins per rad
   real tile_first, tile_last;     // x where the first tile starts and the last one ends
-  real tile_scale, tile_bins;     // bins of x per rad, and their number; column_of_bin has the tile of each
+  real tile_scale, tile_bins;     // bins of x per rad, and their number; column_of_bin maps a bin to its tile
   real mask_scale, mask_columns;  // columns of the ray mask per rad of x, and their number
 }
 SIM_REALS_END(ModelConstants);

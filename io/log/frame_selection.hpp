@@ -21,8 +21,8 @@ struct FrameSelection {
   double held_out_last = 0.0;
   std::vector<std::string> held_out_sensors = {};  // cameras and LiDARs whose frames are all held out
   std::uint64_t seed = 1;                          // of the order of the frames and of the thinning of points
-  bool counts_by_sensor =
-      true;  // false: numbers as in older scenes, whose files lack this field (training_json.hpp)
+  /// Whether frames are counted per sensor. False only for older scenes, which counted all cameras' pictures together.
+  bool counts_by_sensor = true;
 };
 
 /// Visits the settings with their allowed values and descriptions (host/core/base/fields.hpp).

@@ -149,7 +149,7 @@ std::vector<bool> sky_of(const std::vector<Area>& areas) {
 /// Adds neighbours of the sky's brightness: squares across its edge are textured.
 void grow(std::vector<bool>& sky, const Image& image) {
   const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-  std::vector<std::pair<std::size_t, std::size_t>> edge, next;  // pixel, and the pixel whose colour it has
+  std::vector<std::pair<std::size_t, std::size_t>> edge, next;  // pixel, and the sky pixel that it is compared with
   for (std::size_t i = 0; i < sky.size(); ++i) {
     if (sky[i]) edge.emplace_back(i, i);
   }
