@@ -260,19 +260,19 @@ there = scene.render(lidar, time_s=when).range_m
 assert not np.array_equal(scene.render(lidar, time_s=when, edits=[simuli.remove(car)]).range_m, there)
 assert np.array_equal(scene.render(lidar, time_s=when).range_m, there)
 twins = simuli.Scene(folder)
-original_support = twins.support(twins.render(lidar, time_s=when))
 twins.duplicate_actor(car, "second")
-twins.duplicate_actor("second", "third")
-for removed in (car, "second"):
-    twins.edit(simuli.remove(removed))
-twin = twins.render(lidar, time_s=when)
-assert np.array_equal(twins.support(twin), original_support)  # the copy of a copy has the support of its original
-unknown = simuli.Scene(folder)
-unknown.duplicate_actor(car, "stranger")
-unknown.edit(simuli.remove("stranger"))  # the name is free for an actor without a recording
-unknown.add_actor(twins, "third", "stranger")
-unknown.edit(simuli.remove(car))
-assert not np.array_equal(unknown.support(unknown.render(lidar, time_s=when)), original_support)
+twins.duplicate_actor("second", "third")  # the copy of a copy counts as its original
+strangers = simuli.Scene(folder)
+strangers.duplicate_actor(car, "third")
+strangers.edit(simuli.remove("third"))  # the name is free for an actor without a recording
+strangers.add_actor(simuli.Scene(folder), car, "third")
+for one, removed in ((twins, "second"), (twins, car), (strangers, car)):
+    one.edit(simuli.remove(removed))
+twin, stranger = (one.render(lidar, time_s=when) for one in (twins, strangers))
+assert np.array_equal(twin.range_m, stranger.range_m)
+recorded = strangers.support(stranger, copies={"third": car})
+assert np.array_equal(twins.support(twin), recorded)
+assert not np.array_equal(strangers.support(stranger), recorded)
 scene.duplicate_actor(car, "second")
 scene.edit(simuli.move("second", [0, 3, 0]))
 scene.edit(simuli.turn("second", 0.5))

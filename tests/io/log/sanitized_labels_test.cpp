@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(
     Labels,
     OwnVehicleLabel,
     testing::Values(
-        OwnCase{"Around", {4.2, 1.8, 2.0}, {0.0, 0.0, 1.0}, 13, 0, "at 13 of 13 poses, as the own"},
+        OwnCase{"Around", {4.2, 1.8, 2.0}, {0.0, 0.0, 1.0}, 13, 0, "at 13 of 13 poses, as the ego"},
         OwnCase{"UnderTheRoofRack", {4.2, 1.8, 1.5}, {0.0, 0.0, 0.77}, 13, 0, "13 of 13"},
         OwnCase{"FromTheRearAxle", {4.2, 1.8, 1.5}, {1.4, 0.0, 0.75}, 13, 0, "13 of 13"},
         OwnCase{"SixtyMetresAround", {60.0, 60.0, 5.0}, {20.0, 15.0, 1.0}, 13, 0, "13 of 13"},
